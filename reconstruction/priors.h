@@ -155,6 +155,9 @@ inline constexpr double kKeypointSigma = 0.0024;
  * the truth at 378 × 504 | half, double: 0.0024 leaves joints of scan-a's moving training frames 49 instead of 37 mm from the truth (ankles
  * corrected by hand), double 41 instead of 42 mm */
 inline constexpr double kFoundKeypointSigma = 0.006;
+/** Distance from the edge of a mask that our networks found within which a pixel may be on the wrong side.
+ *  unit: share of the picture's diagonal | origin: dev; 2 px at 378 × 504 on scan-a | half, double: not measured */
+inline constexpr double kFoundMaskEdge = 0.003;
 /** Geman-McClure scale of keypoint residuals.
  *  unit: standard deviations | origin: round figure | half, double: not measured */
 inline constexpr double kKeypointOutlierSigmas = 4;

@@ -126,6 +126,7 @@ Result<FramePicture> readFramePicture(const ScanFrame& frame) {
     FramePicture picture;
     DPL_TRY(picture.image, readFrameImage(frame));
     DPL_TRY(picture.mask, readFrameMask(frame));
+    picture.maskFound = frame.maskFound;
     if (!frame.labelsPath.empty()) {
         DPL_TRY(picture.labels, readFrameLabels(frame));
     }

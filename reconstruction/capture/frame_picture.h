@@ -8,9 +8,10 @@ namespace dpl {
 
 /** Decoded and undistorted; each plane has the size of the frame's camera. */
 struct FramePicture {
-    ImageRgb8 image;    // display-referred sRGB, background included
-    ImageGrey8 mask;    // 0 … 255; isPerson() decides
-    ImageGrey8 labels;  // label values; empty when the frame has no labels
+    ImageRgb8 image;         // display-referred sRGB, background included
+    ImageGrey8 mask;         // 0 … 255; isPerson() decides
+    ImageGrey8 labels;       // label values; empty when the frame has no labels
+    bool maskFound = false;  // as in ScanFrame
 };
 
 /** Whether a mask value counts as person. Thresholds soft mattes, so that training does not learn a translucent outline. */

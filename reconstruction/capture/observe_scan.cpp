@@ -185,7 +185,7 @@ Scan withObservations(Scan scan, const fs::path& folder) {
             return true;
         };
         take(want.keypoints, made.keypoints, frame.keypointsPath);
-        take(want.mask, made.mask, frame.maskPath);
+        if (take(want.mask, made.mask, frame.maskPath)) frame.maskFound = true;
         newLabels |= take(want.labels, made.labels, frame.labelsPath);
     }
     if (scan.keypointNames.empty()) {

@@ -27,6 +27,7 @@ struct ScanFrame {
     FrameKind kind = FrameKind::StaticFull;
     Split split = Split::Train;
     std::filesystem::path imagePath, maskPath, labelsPath, keypointsPath;  // absolute; empty when absent
+    bool maskFound = false;  // by our networks, which place its edge to a few pixels; false: by whoever made the scan
     Camerad camera;
     double timeS = 0;  // dynamic frames only
     std::string closeupOf;

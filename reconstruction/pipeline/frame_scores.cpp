@@ -27,7 +27,7 @@ Result<std::vector<HeldOutFrame>> scoreFrames(const LabelColours& labelColours, 
     for (size_t i = 0; i < set.frames.size(); ++i) {
         const TrainFrame& frame = set.frames[i];
         if (!progress(double(i) / double(set.frames.size()), frame.name)) return fail(Code::Cancelled, "stopped");
-        const auto& [image, mask, labels] = *frame.picture;
+        const auto& [image, mask, labels, maskFound] = *frame.picture;
         const FramePose& found = poses.frames[set.indices[i]];
         const Pose& fitted = found.fittedPose ? *found.fittedPose : found.pose;
         HeldOutFrame out;

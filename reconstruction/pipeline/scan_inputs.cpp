@@ -36,13 +36,15 @@ std::vector<FrameHashes> hashFrames(const Scan& scan) {
 }
 
 json frameInputs(const ScanFrame& frame, const FrameHashes& files) {
-    return {{"name", frame.name},
-            {"kind", int(frame.kind)},
-            {"split", int(frame.split)},
-            {"time", frame.timeS},
-            {"camera", cameraJson(frame.camera)},
-            {"lens", {frame.lens.k1, frame.lens.k2, frame.lens.p1, frame.lens.p2}},
-            {"files", {files.image, files.mask, files.labels, files.keypoints}}};
+    json inputs = {{"name", frame.name},
+                   {"kind", int(frame.kind)},
+                   {"split", int(frame.split)},
+                   {"time", frame.timeS},
+                   {"camera", cameraJson(frame.camera)},
+                   {"lens", {frame.lens.k1, frame.lens.k2, frame.lens.p1, frame.lens.p2}},
+                   {"files", {files.image, files.mask, files.labels, files.keypoints}}};
+    if (frame.maskFound) inputs["mask_found"] = true;
+    return inputs;
 }
 
 json commonInputs(const Scan& scan) {

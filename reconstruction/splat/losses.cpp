@@ -10,8 +10,18 @@ namespace {
 constexpr size_t kGrain = 16;            // pixel rows a job
 constexpr uint32_t kWindowReachPx = 10;  // SSIM's gradient at a pixel reads two windows of radius 5
 
+constexpr float kByte = 1.0f / 255;
+
 float sign(float x) {
     return x > 0 ? 1.0f : x < 0 ? -1.0f : 0.0f;
+}
+
+/** What a pixel shows where the drawing is transparent. */
+Vec3f behindPerson(const PictureTarget& target, size_t pixel, const Vec3f& background) {
+    if (target.unsure.empty() || target.unsure[pixel] == 0) return background;
+    const size_t pixels = size_t(target.widthPx) * target.heightPx;
+    const uint8_t* behind = target.behind.data() + pixel;
+    return kByte * Vec3f(behind[0], behind[pixels], behind[2 * pixels]) + (1 - kByte * float(target.unsure[pixel])) * background;
 }
 
 }  // namespace
@@ -24,7 +34,8 @@ PictureLoss::Box PictureLoss::shownBox(const SplatImage& image, const PictureTar
             const float* alpha = image.alpha.data() + y * width;
             const uint8_t* mask = target.mask.data() + y * width;
             const uint8_t* cloth = target.cloth.empty() ? mask : target.cloth.data() + y * width;
-            const auto shows = [&](uint32_t x) { return alpha[x] != 0 || mask[x] || cloth[x]; };
+            const uint8_t* shown = target.shown.empty() ? mask : target.shown.data() + y * width;
+            const auto shows = [&](uint32_t x) { return alpha[x] != 0 || mask[x] || cloth[x] || shown[x]; };
             uint32_t first = 0, last = width;
             while (first < width && !shows(first)) ++first;
             while (last > first && !shows(last - 1)) --last;
@@ -57,7 +68,6 @@ LossValues PictureLoss::run(const SplatImage& image, const PictureTarget& target
     constexpr size_t kSums = 5;
     rowSums_.assign(size_t(height) * kSums, 0.0);
     const float l1Step = weights.l1 / float(pixels * 3), maskStep = weights.mask / float(pixels), clothStep = weights.cloth / float(pixels);
-    constexpr float kByte = 1.0f / 255;
 
     jobs_.forRange(boxHeight, kGrain, [&](size_t begin, size_t end, uint32_t) {
         for (size_t y = begin; y < end; ++y) {
@@ -66,9 +76,11 @@ LossValues PictureLoss::run(const SplatImage& image, const PictureTarget& target
                 const size_t i = (box.y0 + y) * width + box.x0 + x, at = y * boxWidth + x;
                 const float alpha = image.alpha[i], mask = kByte * float(target.mask[i]);
                 const bool scored = !target.band[i];
+                const Vec3f behind = behindPerson(target, i, background);
+                const float shown = target.shown.empty() ? mask : kByte * float(target.shown[i]);
                 for (uint32_t c = 0; c < 3; ++c) {
-                    const float drawn = image.rgb[i * 3 + c] + (1 - alpha) * background[int(c)];
-                    const float wanted = scored ? kByte * float(target.rgb[c * pixels + i]) + (1 - mask) * background[int(c)] : drawn;
+                    const float drawn = image.rgb[i * 3 + c] + (1 - alpha) * behind[int(c)];
+                    const float wanted = scored ? kByte * float(target.rgb[c * pixels + i]) + (1 - shown) * background[int(c)] : drawn;
                     const float error = drawn - wanted;
                     drawn_.values[c * boxPixels + at] = drawn, wanted_.values[c * boxPixels + at] = wanted;
                     colourGradient_.values[c * boxPixels + at] = l1Step * sign(error);
@@ -113,7 +125,8 @@ LossValues PictureLoss::run(const SplatImage& image, const PictureTarget& target
                 const float r = colourGradient_.values[at], g = colourGradient_.values[boxPixels + at],
                             b = colourGradient_.values[2 * boxPixels + at];
                 gradient.red[i] = r, gradient.green[i] = g, gradient.blue[i] = b;
-                gradient.alpha[i] -= r * background.x + g * background.y + b * background.z;
+                const Vec3f behind = behindPerson(target, i, background);
+                gradient.alpha[i] -= r * behind.x + g * behind.y + b * behind.z;
             }
         }
     });

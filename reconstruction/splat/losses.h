@@ -11,13 +11,17 @@
 
 namespace dpl {
 
-/** The target of a frame, cropped to the person; borrowed. Planar, 8 bits (255 is 1.0), colour premultiplied by the mask. */
+/** The target of a frame, cropped to the person; borrowed. Planar, 8 bits (255 is 1.0), colour premultiplied by the mask or by `shown`. */
 struct PictureTarget {
     uint32_t widthPx = 0, heightPx = 0;
     std::span<const uint8_t> rgb;    // three planes
-    std::span<const uint8_t> mask;   // soft coverage
+    std::span<const uint8_t> mask;   // soft coverage of the person
     std::span<const uint8_t> cloth;  // empty: no label loss
     std::span<const uint8_t> band;   // 1 within one pixel of the mask's edge, where colour has no loss
+    // For a mask whose edge is unsure; empty otherwise. There the target is the picture itself, background included.
+    std::span<const uint8_t> shown;   // coverage of `rgb`: the person and the unsure pixels
+    std::span<const uint8_t> unsure;  // coverage of the unsure pixels
+    std::span<const uint8_t> behind;  // three planes: what lies behind the person there, premultiplied by `unsure`
 };
 
 struct LossWeights {
@@ -34,7 +38,8 @@ class PictureLoss {
 public:
     explicit PictureLoss(Jobs& jobs) : jobs_(jobs), ssim_(jobs) {}
 
-    /** Loss of `image` (premultiplied, same size as the target), with image and target composited over `background`. Fills `gradient`.
+    /** Loss of `image` (premultiplied, same size as the target), with image and target composited over `background`; the unsure part of a
+     *  pixel over what lies behind. Fills `gradient`.
      *  In the band the target is the rendered colour itself, so the band has no colour loss and no colour gradient.
      *  Only the box around the drawn and the wanted pixels is computed. Outside it both show the background, and every term is zero. */
     LossValues run(const SplatImage& image, const PictureTarget& target, const LossWeights& weights, const Vec3f& background,

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "reconstruction/splat/unsure_edge.h"
 #include "sdk/math/projection.h"
 
 namespace dpl {
@@ -65,7 +66,7 @@ Status checkTrainFrame(const TrainFrame& f) {
         return {};
     };
     if (!f.picture) return fail(Code::InvalidArgument, "frame '{}' has no picture", f.name);
-    const auto& [image, mask, labels] = *f.picture;
+    const auto& [image, mask, labels, maskFound] = *f.picture;
     DPL_CHECK_OK(check("image", image.widthPx, image.heightPx, image.pixels.size(), 3));
     DPL_CHECK_OK(check("mask", mask.widthPx, mask.heightPx, mask.pixels.size(), 1));
     if (!labels.pixels.empty()) DPL_CHECK_OK(check("label image", labels.widthPx, labels.heightPx, labels.pixels.size(), 1));
@@ -118,25 +119,31 @@ LevelFrame makeLevelFrame(const TrainFrame& f, float scale, std::span<const uint
     const size_t pixels = size_t(level.widthPx) * level.heightPx;
     level.rgb.resize(pixels * 3), level.mask.resize(pixels), level.band.assign(pixels, 0);
     const auto inside = [&](size_t at) { return isPerson(mask.pixels[at]); };
-    for (size_t c = 0; c < 3; ++c) {
-        const auto plane = areaAverage(width, height, columns, rows, [&](uint32_t x, uint32_t y) {
-            const size_t at = size_t(y) * width + x;
-            return inside(at) ? float(image.pixels[at * 3 + c]) : 0.0f;
-        });
-        for (size_t i = 0; i < pixels; ++i) level.rgb[c * pixels + i] = toByte(plane[i]);
-    }
-    const auto coverage =
-        areaAverage(width, height, columns, rows, [&](uint32_t x, uint32_t y) { return inside(size_t(y) * width + x) ? 255.0f : 0.0f; });
-    for (size_t i = 0; i < pixels; ++i) level.mask[i] = toByte(coverage[i]), level.personPx += isPerson(level.mask[i]);
+    /** Area average of value(pixel), 0 … 255, to `out`. */
+    const auto reduce = [&](auto&& value, uint8_t* out) {
+        const auto plane =
+            areaAverage(width, height, columns, rows, [&](uint32_t x, uint32_t y) { return float(value(size_t(y) * width + x)); });
+        std::transform(plane.begin(), plane.end(), out, toByte);
+    };
+    const uint32_t unsureRadius = unsureRadiusPx(*f.picture);
+    const UnsureEdge edge = unsureRadius > 0 ? unsureEdge(*f.picture, unsureRadius) : UnsureEdge();
+    const auto isUnsure = [&](size_t at) { return !edge.unsure.empty() && edge.unsure[at]; };
+    const auto isShown = [&](size_t at) { return inside(at) || isUnsure(at); };
+    for (size_t c = 0; c < 3; ++c) reduce([&](size_t at) { return isShown(at) ? image.pixels[at * 3 + c] : 0; }, &level.rgb[c * pixels]);
+    reduce([&](size_t at) { return inside(at) ? 255 : 0; }, level.mask.data());
+    for (const uint8_t value : level.mask) level.personPx += isPerson(value);
     if (!labels.pixels.empty()) {
-        const auto cloth = areaAverage(width, height, columns, rows, [&](uint32_t x, uint32_t y) {
-            return std::find(clothLabels.begin(), clothLabels.end(), labels.pixels[size_t(y) * width + x]) != clothLabels.end() ? 255.0f
-                                                                                                                                : 0.0f;
-        });
         level.cloth.resize(pixels);
-        for (size_t i = 0; i < pixels; ++i) level.cloth[i] = toByte(cloth[i]);
+        reduce(
+            [&](size_t at) { return std::find(clothLabels.begin(), clothLabels.end(), labels.pixels[at]) != clothLabels.end() ? 255 : 0; },
+            level.cloth.data());
     }
-    if (withBand) {
+    if (unsureRadius > 0) {
+        level.shown.resize(pixels), level.unsure.resize(pixels), level.behind.resize(pixels * 3);
+        reduce([&](size_t at) { return isShown(at) ? 255 : 0; }, level.shown.data());
+        reduce([&](size_t at) { return isUnsure(at) ? 255 : 0; }, level.unsure.data());
+        for (size_t c = 0; c < 3; ++c) reduce([&](size_t at) { return edge.behind[at * 3 + c]; }, &level.behind[c * pixels]);
+    } else if (withBand) {
         const int w = int(level.widthPx), h = int(level.heightPx);
         for (int y = 0; y < h; ++y)
             for (int x = 0; x < w; ++x) {

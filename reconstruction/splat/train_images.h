@@ -36,11 +36,12 @@ struct LevelFrame {
     float scale = 1;                 // level width / full width
     float kappaPx2 = 0;
     Cameraf camera;            // of the crop
-    std::vector<uint8_t> rgb;  // planar, premultiplied by the mask
+    std::vector<uint8_t> rgb;  // planar, premultiplied by `shown`, or by the mask
     std::vector<uint8_t> mask, cloth, band;
+    std::vector<uint8_t> shown, unsure, behind;  // empty but for masks that networks found
     uint32_t personPx = 0;
 
-    PictureTarget target() const { return {widthPx, heightPx, rgb, mask, cloth, band}; }
+    PictureTarget target() const { return {widthPx, heightPx, rgb, mask, cloth, band, shown, unsure, behind}; }
 };
 
 /** Checks that image, mask and labels (unless empty) have the camera's size. The error names the frame. */
@@ -49,7 +50,8 @@ Status checkTrainFrame(const TrainFrame& frame);
 Status checkPrecision(const TrainFrame& frame, size_t jointCount);
 
 /** The person's pixels at `scale`. The colour is premultiplied by isPerson() of the mask. clothLabels: label values that
- *  count as cloth. withBand: fill `band`, the pixels within one pixel of the mask's edge (for full resolution). */
+ *  count as cloth. withBand: fill `band`, the pixels within one pixel of the mask's edge (for full resolution). A mask that networks found
+ *  has an unsure edge instead of a band (unsure_edge.h). */
 LevelFrame makeLevelFrame(const TrainFrame& frame, float scale, std::span<const uint8_t> clothLabels, bool withBand);
 
 /** The scale of a frame at the coarsest level: its short side becomes 160 px, but the scale stays in [0.1, 1]. */

@@ -37,7 +37,7 @@ constexpr int kWidth = 14, kHeight = 12, kPixels = kWidth * kHeight;
 struct Scene {
     int width, height;
     SplatImage image;
-    std::vector<uint8_t> rgb, mask, cloth, band;
+    std::vector<uint8_t> rgb, mask, cloth, band, shown, unsure, behind;
     explicit Scene(int marginPx = 0) : width(kWidth + 2 * marginPx), height(kHeight + 2 * marginPx) {
         std::mt19937 random(11);
         std::uniform_real_distribution<float> u01(0.05f, 0.95f);
@@ -54,7 +54,16 @@ struct Scene {
         }
     }
     size_t count() const { return size_t(width) * size_t(height); }
-    PictureTarget target() const { return {uint32_t(width), uint32_t(height), rgb, mask, cloth, band}; }
+    PictureTarget target() const { return {uint32_t(width), uint32_t(height), rgb, mask, cloth, band, shown, unsure, behind}; }
+    /** Makes every fourth pixel unsure, some of them in part. */
+    void addUnsureEdge() {
+        std::mt19937 random(12);
+        shown = mask, unsure.assign(count(), 0), behind.assign(count() * 3, 0);
+        for (size_t i = 0; i < count(); i += 4) {
+            unsure[i] = i % 8 ? 255 : 150, shown[i] = std::max(mask[i], unsure[i]);
+            for (size_t c = 0; c < 3; ++c) behind[c * count() + i] = uint8_t(random() % (unsure[i] + 1u));
+        }
+    }
     /** Colour, alpha and cloth of the drawn picture, concatenated as referenceLoss() takes them. */
     std::vector<double> drawn() const {
         std::vector<double> x(image.rgb.begin(), image.rgb.end());
@@ -71,8 +80,9 @@ double referenceLoss(const Scene& s, const std::vector<double>& image, const Los
     for (size_t i = 0; i < n; ++i) {
         const double alpha = image[3 * n + i], m = s.mask[i] / 255.0;
         for (size_t c = 0; c < 3; ++c) {
-            drawn[c * n + i] = image[i * 3 + c] + (1 - alpha) * background[int(c)];
-            wanted[c * n + i] = s.rgb[c * n + i] / 255.0 + (1 - m) * background[int(c)];
+            const double unsure = s.unsure.empty() ? 0 : s.unsure[i] / 255.0, known = s.behind.empty() ? 0 : s.behind[c * n + i] / 255.0;
+            drawn[c * n + i] = image[i * 3 + c] + (1 - alpha) * (known + (1 - unsure) * background[int(c)]);
+            wanted[c * n + i] = s.rgb[c * n + i] / 255.0 + (1 - (s.shown.empty() ? m : s.shown[i] / 255.0)) * background[int(c)];
             l1 += std::abs(drawn[c * n + i] - wanted[c * n + i]);
         }
         mask += std::abs(alpha - m), cloth += std::abs(image[4 * n + i] - s.cloth[i] / 255.0);
@@ -86,8 +96,10 @@ TEST(PictureLoss, gradientOfEveryTerm) {
     Jobs jobs(2);
     const Vec3f background(0.2f, 0.7f, 0.45f);
     const LossWeights cases[] = {{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}, {0, 0, 0, 1}, {0.8f, 0.2f, 1, 0.3f}};
-    for (const LossWeights& w : cases) {
+    for (int k = 0; k < 10; ++k) {
+        const LossWeights& w = cases[k / 2];
         Scene s;
+        if (k % 2) s.addUnsureEdge();
         PictureLoss loss(jobs);
         ImageGradient g;
         const LossValues v = loss.run(s.image, s.target(), w, background, g);
@@ -149,6 +161,26 @@ TEST(PictureLoss, bandHasNoColourGradient) {
             outside += std::abs(g.red[i]);
     }
     EXPECT_GT(outside, 0);
+}
+
+/** At an unsure edge the picture decides: both a person and the background that is drawn where it lies have no loss. */
+TEST(PictureLoss, unsurePixelsTakeThePictureAsItIs) {
+    Jobs jobs(1);
+    for (const bool isPerson : {false, true}) {
+        Scene s;
+        for (size_t i = 0; i < kPixels; ++i) {
+            s.mask[i] = i % 2 ? 255 : 0;  // wrong in half the pixels, in either case
+            s.image.alpha[i] = isPerson ? 1.0f : 0.0f;
+            for (size_t c = 0; c < 3; ++c) s.image.rgb[i * 3 + c] = isPerson ? float(s.rgb[c * kPixels + i]) / 255 : 0;
+        }
+        s.shown.assign(kPixels, 255), s.unsure.assign(kPixels, 255), s.behind = s.rgb;
+        PictureLoss loss(jobs);
+        ImageGradient g;
+        const LossValues v = loss.run(s.image, s.target(), {0.8f, 0.2f, 0, 0}, Vec3f(0.3f), g);
+        EXPECT_NEAR(v.total, 0, 1e-5) << isPerson;
+        s.behind.assign(kPixels * 3, 0);
+        EXPECT_EQ(loss.run(s.image, s.target(), {0.8f, 0.2f, 0, 0}, Vec3f(0.3f), g).total > 0.1, !isPerson);
+    }
 }
 
 TEST(PictureLoss, identicalPicturesScorePerfectly) {

@@ -194,6 +194,7 @@ TEST(Observations, bikerIsSeenTheSameOnOneThreadAndTwo) {
         size_t hair = 0;
         for (const auto& frame : observed.frames) {
             EXPECT_EQ(frame.maskPath.parent_path().filename(), "masks") << "a mask that the scan brings is kept";
+            EXPECT_FALSE(frame.maskFound);
             for (const auto& path : {frame.keypointsPath, frame.labelsPath}) {
                 std::ifstream in(path, std::ios::binary);
                 everything += std::string{std::istreambuf_iterator<char>(in), {}};
@@ -229,6 +230,21 @@ TEST(Observations, bikersMaskIsFoundWithoutHisMask) {
     const Observation seen = biker->observe(image);
     EXPECT_GT(seen.personScore, 0.9);
     EXPECT_GT(maskIou(truth, seen.mask), 0.9);  // the PROVENANCE file of the pictures states 0.93 to 0.98
+}
+
+TEST(Observations, aScanKnowsWhichMasksWereFound) {
+    TemporaryFolder folder;
+    std::filesystem::create_directories(folder.path / "masks");
+    for (const char* name : {"bare", "masked"}) std::ofstream(folder.path / "masks" / (std::string(name) + ".png")) << "found";
+    Scan scan;
+    scan.keypointNames = {"nose"};
+    for (const char* name : {"bare", "masked", "unseen"}) scan.frames.emplace_back().name = name;
+    scan.frames[1].maskPath = "own.png";
+    const Scan observed = withObservations(scan, folder.path);
+    EXPECT_TRUE(observed.frames[0].maskFound);
+    EXPECT_FALSE(observed.frames[1].maskFound);
+    EXPECT_EQ(observed.frames[1].maskPath, "own.png");
+    EXPECT_FALSE(observed.frames[2].maskFound) << "nothing was found";
 }
 
 TEST(Observations, aMirroredPictureHasTheMirroredPerson) {

@@ -61,6 +61,37 @@ TEST(LevelFrame, areaAverageKeepsTheMean) {
     EXPECT_NEAR(a / double(f.shown->image.pixels.size()), b / double(level.rgb.size()), 0.2);
 }
 
+/** Person and background of one colour each; the mask that networks found is a pixel too wide on the right. */
+TEST(LevelFrame, foundMasksHaveAnUnsureEdge) {
+    Given f = frame(400, 300);  // a radius of 2 px
+    for (uint32_t y = 0; y < 300; ++y)
+        for (uint32_t x = 0; x < 400; ++x)
+            for (uint32_t c = 0; c < 3; ++c) f.shown->image.pixels[(y * 400 + x) * 3 + c] = x >= 150 && x < 250 ? 200 : 40;
+    for (uint32_t y = 50; y < 250; ++y)
+        for (uint32_t x = 150; x < 251; ++x) f.shown->mask.pixels[y * 400 + x] = 255;
+    EXPECT_TRUE(makeLevelFrame(f, 1, {}, true).unsure.empty()) << "masks that a scan brings are exact";
+    f.shown->maskFound = true;
+    const LevelFrame full = makeLevelFrame(f, 1, {}, true);
+    const auto at = [&](uint32_t x) { return size_t(150 - full.topPx) * full.widthPx + x - full.leftPx; };
+    for (const uint32_t x : {148u, 149u, 150u, 151u, 249u, 250u, 251u, 252u}) {
+        EXPECT_EQ(full.unsure[at(x)], 255) << x;
+        EXPECT_EQ(full.behind[at(x)], 40) << x;
+        EXPECT_EQ(full.shown[at(x)], 255) << x;
+        EXPECT_EQ(full.rgb[at(x)], x >= 150 && x < 250 ? 200 : 40) << "the picture as it is, " << x;
+    }
+    for (const uint32_t x : {147u, 152u, 248u, 253u}) EXPECT_EQ(full.unsure[at(x)], 0) << x;
+    EXPECT_EQ(full.rgb[at(200)], 200);
+    EXPECT_EQ(full.shown[at(200)], 255);
+    EXPECT_EQ(full.rgb[at(254)] + full.shown[at(254)], 0) << "background that is sure is random";
+    EXPECT_EQ(std::accumulate(full.band.begin(), full.band.end(), 0), 0) << "the picture replaces the band without loss";
+    const LevelFrame half = makeLevelFrame(f, 0.5f, {}, false);
+    EXPECT_GT(std::accumulate(half.unsure.begin(), half.unsure.end(), size_t(0)), size_t(0));
+    std::fill(f.shown->mask.pixels.begin(), f.shown->mask.pixels.end(), uint8_t(255));
+    f.shown->mask.pixels[0] = 0;
+    const LevelFrame whole = makeLevelFrame(f, 1, {}, true);
+    EXPECT_EQ(std::accumulate(whole.unsure.begin(), whole.unsure.end(), 0), 0) << "no background nearby: the mask decides";
+}
+
 TEST(LevelFrame, emptyMaskIsNotUsed) {
     EXPECT_FALSE(makeLevelFrame(frame(20, 20), 1, {}, true).used);
 }

@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: Apache-2.0
+// The edge of a mask that networks found: pixels that may be the person's or not, and what lies behind the person there.
+#pragma once
+
+#include "reconstruction/capture/frame_picture.h"
+
+namespace dpl {
+
+struct UnsureEdge {
+    std::vector<uint8_t> unsure;  // 1: within the radius of the mask's edge, with background nearby. A row-major plane of the picture
+    std::vector<float> behind;    // three channels a pixel, 0 … 255: colours of the background nearby; 0 where unsure is 0
+};
+
+/** `radiusPx`: distance from the mask's edge within which it may be wrong. Background is what lies farther outside; each unsure pixel takes
+ *  its mean with a Gaussian weight. Where there is none nearby, as between arm and body, the mask decides. */
+UnsureEdge unsureEdge(const FramePicture& picture, uint32_t radiusPx);
+
+/** That radius for a picture of this size; 0 for masks that networks did not find. */
+uint32_t unsureRadiusPx(const FramePicture& picture);
+
+}  // namespace dpl
