@@ -17,7 +17,7 @@ fs::path userModelsFolder() {
 fs::path installedModels() {
     const fs::path folder = userModelsFolder();
     std::error_code error;
-    return !folder.empty() && fs::is_regular_file(folder / "blazepose_full.onnx", error) ? folder : fs::path();
+    return !folder.empty() && fs::is_regular_file(folder / network_files::kPose, error) ? folder : fs::path();
 }
 
 }  // namespace dpl

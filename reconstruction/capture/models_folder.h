@@ -1,10 +1,21 @@
 // SPDX-License-Identifier: Apache-2.0
-// Where tools/models installs networks.
+// The networks that observe pictures: their files, and where tools/models installs them.
 #pragma once
 
 #include <filesystem>
 
 namespace dpl {
+
+/** Files of a folder of networks. The first one or, without it, the light one is needed; with the others more is found. */
+namespace network_files {
+inline constexpr const char* kPose = "blazepose_full.onnx";
+inline constexpr const char* kLightPose = "blazepose_lite.onnx";
+inline constexpr const char* kHeavyPose = "blazepose_heavy.onnx";
+inline constexpr const char* kDetector = "blazepose_detector.onnx";
+inline constexpr const char* kCloseups = "selfie_seg.onnx";
+inline constexpr const char* kClothes = "skin_clothes_hair_pan.onnx";
+inline constexpr const char* kAll[] = {kPose, kHeavyPose, kLightPose, kDetector, kCloseups, kClothes};
+}  // namespace network_files
 
 /** $XDG_DATA_HOME/doppel/models, or ~/.local/share/doppel/models where that variable is empty or relative, as the XDG base directory
  *  specification says. Empty without $HOME. */

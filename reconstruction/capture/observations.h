@@ -47,8 +47,7 @@ struct SeenPerson {
     double score = 0;
 };
 
-/** The networks of one folder: blazepose_full.onnx (or _lite) and, if present, blazepose_heavy.onnx, blazepose_detector.onnx and
- * skin_clothes_hair_pan.onnx. Each thread needs its own. */
+/** The networks of one folder (models_folder.h). Each thread needs its own. */
 class Observer {
 public:
     static Result<Observer> load(const std::filesystem::path& models);

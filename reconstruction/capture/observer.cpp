@@ -7,6 +7,7 @@
 #include <span>
 
 #include "reconstruction/capture/choose_person.h"
+#include "reconstruction/capture/models_folder.h"
 #include "reconstruction/capture/observations.h"
 #include "reconstruction/capture/onnx_net.h"
 #include "reconstruction/capture/person_detector.h"
@@ -145,7 +146,7 @@ struct Observer::State {
             if (t.name.find("segmentation") != std::string::npos && t.data.size() == size_t(kPoseSide) * kPoseSide) segmentation = &t;
         }
         if (!points || !flag || !segmentation)
-            return fail(Code::Unsupported, "the pose network has other outputs than BlazePose; use blazepose_full.onnx");
+            return fail(Code::Unsupported, "the pose network has other outputs than BlazePose; use {}", network_files::kPose);
         Pose found;
         found.crop = found.next = crop;
         found.score = std::clamp(double(flag->data[0]), 0.0, 1.0);
@@ -204,7 +205,8 @@ struct Observer::State {
             if (mirrored) mirrorRows(input, kSelfieSide);
             DPL_TRY(auto outputs, selfie->run(input, kSelfieSide));
             if (outputs.size() != 1 || outputs[0].data.size() != size_t(kSelfieSide) * kSelfieSide)
-                return fail(Code::Unsupported, "selfie_seg.onnx has other outputs than Selfie Segmentation; run tools/models again");
+                return fail(Code::Unsupported, "{} has other outputs than Selfie Segmentation; run tools/models again",
+                            network_files::kCloseups);
             if (mirrored) mirrorRows(outputs[0].data, kSelfieSide);
             mean += 0.5 * cv::Mat(kSelfieSide, kSelfieSide, CV_32F, outputs[0].data.data());
         }
@@ -218,8 +220,8 @@ struct Observer::State {
                 parser->run(cropToTensor(image, crop, kParserSide, {0.485f, 0.456f, 0.406f}, {0.229f, 0.224f, 0.225f}), kParserSide));
         constexpr size_t kPlane = size_t(kParserSide) * kParserSide;
         if (outputs.size() != 1 || outputs[0].data.size() != 3 * kPlane)
-            return fail(Code::Unsupported,
-                        "the clothes network has other outputs than skin, clothes, hair; use skin_clothes_hair_pan.onnx");
+            return fail(Code::Unsupported, "the clothes network has other outputs than skin, clothes, hair; use {}",
+                        network_files::kClothes);
         cv::Mat share[3];
         for (size_t c = 0; c < 3; ++c)
             share[c] = spreadCrop(outputs[0].data.data() + c * kPlane, kParserSide, crop, image.widthPx, image.heightPx);
@@ -254,14 +256,13 @@ bool Observer::hasDetector() const {
 
 Result<Observer> Observer::load(const std::filesystem::path& models) {
     std::error_code ignored;
-    const bool full = std::filesystem::exists(models / "blazepose_full.onnx", ignored);
-    DPL_TRY(auto pose,
-            OnnxNet::load(models / (full || !std::filesystem::exists(models / "blazepose_lite.onnx", ignored) ? "blazepose_full.onnx"
-                                                                                                              : "blazepose_lite.onnx")));
-    DPL_TRY(auto heavyPose, loadIfThere(models / "blazepose_heavy.onnx"));
-    DPL_TRY(auto parser, loadIfThere(models / "skin_clothes_hair_pan.onnx"));
-    DPL_TRY(auto detector, loadIfThere(models / "blazepose_detector.onnx"));
-    DPL_TRY(auto selfie, loadIfThere(models / "selfie_seg.onnx"));
+    const bool light = !std::filesystem::exists(models / network_files::kPose, ignored) &&
+                       std::filesystem::exists(models / network_files::kLightPose, ignored);
+    DPL_TRY(auto pose, OnnxNet::load(models / (light ? network_files::kLightPose : network_files::kPose)));
+    DPL_TRY(auto heavyPose, loadIfThere(models / network_files::kHeavyPose));
+    DPL_TRY(auto parser, loadIfThere(models / network_files::kClothes));
+    DPL_TRY(auto detector, loadIfThere(models / network_files::kDetector));
+    DPL_TRY(auto selfie, loadIfThere(models / network_files::kCloseups));
     return Observer(std::unique_ptr<State>(
         new State{std::move(pose), std::move(heavyPose), std::move(parser), std::move(detector), std::move(selfie)}));
 }

@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 
+#include "reconstruction/capture/models_folder.h"
 #include "reconstruction/capture/pose_crop.h"
 
 namespace dpl {
@@ -46,7 +47,7 @@ std::vector<PersonCrop> tiles(double width, double height, double side) {
 Status detectIn(OnnxNet& detector, const ImageRgb8& image, const PersonCrop& tile, std::vector<DetectedPerson>& found) {
     DPL_TRY(const auto outputs, detector.run(cropToTensor(image, tile, kSide, {0.5f, 0.5f, 0.5f}, {0.5f, 0.5f, 0.5f}), kSide));
     if (outputs.size() != 1 || outputs[0].data.size() != kAnchors * kRow)
-        return fail(Code::Unsupported, "the detector has other outputs than BlazePose's; use blazepose_detector.onnx of tools/models");
+        return fail(Code::Unsupported, "the detector has other outputs than BlazePose's; use {} of tools/models", network_files::kDetector);
     static const std::vector<Vec2d> centres = anchorCentres();
     for (size_t a = 0; a < kAnchors; ++a) {
         const float* row = outputs[0].data.data() + a * kRow;

@@ -54,8 +54,7 @@ Result<ObservedScan> observed(const StageRun& run, const Scan& scan, const std::
         DPL_TRY(const PersonPoint point, parsePersonPoint(text));
         points.push_back(point);
     }
-    for (const char* name : {"blazepose_full.onnx", "blazepose_heavy.onnx", "blazepose_lite.onnx", "blazepose_detector.onnx",
-                             "selfie_seg.onnx", "skin_clothes_hair_pan.onnx"})
+    for (const char* name : network_files::kAll)
         if (auto hash = hashFile(models / name)) networks.push_back(*hash);
     const json inputs = {{"scan", scanInputs(scan, hashFrames(scan))}, {"models", networks}, {"persons", persons}};
     DPL_TRY(const StageOutput stage, run.chain.run("observe", 6, inputs, [&](StageContext& context) -> Status {
