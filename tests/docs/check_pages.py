@@ -64,6 +64,15 @@ def adr_problems(page):
         yield f"{page.name}: no line 'Status: ...'"
 
 
+def index_problems(root, all_pages):
+    """Every decision stands in the index, so that a second draft of one is not left lying."""
+    index = root / "docs/adr/README.md"
+    listed = re.findall(r"\]\((\d{4}-[^)]*\.md)\)", index.read_text(encoding="utf-8")) if index.exists() else []
+    for page in all_pages:
+        if re.fullmatch(r"docs/adr/\d{4}-.*\.md", page.name) and page.path.name not in listed:
+            yield f"{page.name}: not in docs/adr/README.md"
+
+
 def arrow_problems(root):
     """The overview's table of rooms says what the test of the include arrows holds."""
     arrows, overview = root / "tests/structure/check_arrows.py", root / "docs/overview.md"
@@ -84,6 +93,7 @@ def arrow_problems(root):
 def problems(root):
     yield from arrow_problems(root)
     all_pages = list(markdown.pages(root))
+    yield from index_problems(root, all_pages)
     known = {page.path.resolve(): page for page in all_pages}
     for page in all_pages:
         yield from link_problems(root, page, known)

@@ -60,7 +60,9 @@ class Checkers(unittest.TestCase):
     def test_decisions(self):
         self.page("# Long\nStatus: accepted\n" + "word " * 500, "docs/adr/0001-long.md")
         self.page("# No status\n", "docs/adr/0002-none.md")
-        self.complaints(["504 words", "no line 'Status"], check_pages.problems(self.root))
+        self.page("# Draft\nStatus: accepted\n", "docs/adr/0002-draft.md")
+        self.page("[1](0001-long.md) [2](0002-none.md)\n", "docs/adr/README.md")
+        self.complaints(["0002-draft.md: not in docs/adr/README.md", "504 words", "no line 'Status"], check_pages.problems(self.root))
 
     def test_arrows(self):
         (self.root / "tests/structure").mkdir(parents=True)
