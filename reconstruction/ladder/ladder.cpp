@@ -235,7 +235,8 @@ private:
         if (!picture) return {};
         DPL_TRY(const auto surface, trueSurface(truth_, truth_.frames[f], in_.scan.frames[f].kind));
         if (!surface) return {};
-        const auto& [image, mask, labels, maskFound] = *picture;
+        const ImageRgb8& image = picture->image;
+        const ImageGrey8 &mask = picture->mask, &labels = picture->labels;
         const Camerad& camera = in_.cameras[f];
         const FramePose& found = in_.poses.frames[f];
         const std::vector<Vec3f> carried = whole_->at(*surface);

@@ -27,7 +27,8 @@ Result<std::vector<HeldOutFrame>> scoreFrames(const LabelColours& labelColours, 
     for (size_t i = 0; i < set.frames.size(); ++i) {
         const TrainFrame& frame = set.frames[i];
         if (!progress(double(i) / double(set.frames.size()), frame.name)) return fail(Code::Cancelled, "stopped");
-        const auto& [image, mask, labels, maskFound] = *frame.picture;
+        const ImageRgb8& image = frame.picture->image;
+        const ImageGrey8 &mask = frame.picture->mask, &labels = frame.picture->labels;
         const FramePose& found = poses.frames[set.indices[i]];
         const Pose& fitted = found.fittedPose ? *found.fittedPose : found.pose;
         HeldOutFrame out;

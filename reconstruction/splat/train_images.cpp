@@ -66,7 +66,8 @@ Status checkTrainFrame(const TrainFrame& f) {
         return {};
     };
     if (!f.picture) return fail(Code::InvalidArgument, "frame '{}' has no picture", f.name);
-    const auto& [image, mask, labels, maskFound] = *f.picture;
+    const ImageRgb8& image = f.picture->image;
+    const ImageGrey8 &mask = f.picture->mask, &labels = f.picture->labels;
     DPL_CHECK_OK(check("image", image.widthPx, image.heightPx, image.pixels.size(), 3));
     DPL_CHECK_OK(check("mask", mask.widthPx, mask.heightPx, mask.pixels.size(), 1));
     if (!labels.pixels.empty()) DPL_CHECK_OK(check("label image", labels.widthPx, labels.heightPx, labels.pixels.size(), 1));
@@ -125,9 +126,9 @@ LevelFrame makeLevelFrame(const TrainFrame& f, float scale, std::span<const uint
             areaAverage(width, height, columns, rows, [&](uint32_t x, uint32_t y) { return float(value(size_t(y) * width + x)); });
         std::transform(plane.begin(), plane.end(), out, toByte);
     };
-    const uint32_t unsureRadius = unsureRadiusPx(*f.picture);
-    const UnsureEdge edge = unsureRadius > 0 ? unsureEdge(*f.picture, unsureRadius) : UnsureEdge();
-    const auto isUnsure = [&](size_t at) { return !edge.unsure.empty() && edge.unsure[at]; };
+    const UnsureEdge edge = unsureEdge(*f.picture);
+    const bool hasEdge = !edge.unsure.empty();
+    const auto isUnsure = [&](size_t at) { return hasEdge && edge.unsure[at]; };
     const auto isShown = [&](size_t at) { return inside(at) || isUnsure(at); };
     for (size_t c = 0; c < 3; ++c) reduce([&](size_t at) { return isShown(at) ? image.pixels[at * 3 + c] : 0; }, &level.rgb[c * pixels]);
     reduce([&](size_t at) { return inside(at) ? 255 : 0; }, level.mask.data());
@@ -138,7 +139,7 @@ LevelFrame makeLevelFrame(const TrainFrame& f, float scale, std::span<const uint
             [&](size_t at) { return std::find(clothLabels.begin(), clothLabels.end(), labels.pixels[at]) != clothLabels.end() ? 255 : 0; },
             level.cloth.data());
     }
-    if (unsureRadius > 0) {
+    if (hasEdge) {
         level.shown.resize(pixels), level.unsure.resize(pixels), level.behind.resize(pixels * 3);
         reduce([&](size_t at) { return isShown(at) ? 255 : 0; }, level.shown.data());
         reduce([&](size_t at) { return isUnsure(at) ? 255 : 0; }, level.unsure.data());

@@ -22,8 +22,10 @@ void around(int x, int y, int width, int height, int reach, Visit&& visit) {
 
 }  // namespace
 
-UnsureEdge unsureEdge(const FramePicture& picture, uint32_t radiusPx) {
-    const int width = int(picture.mask.widthPx), height = int(picture.mask.heightPx), radius = int(radiusPx);
+UnsureEdge unsureEdge(const FramePicture& picture) {
+    if (!picture.maskFound) return {};
+    const int width = int(picture.mask.widthPx), height = int(picture.mask.heightPx);
+    const int radius = int(std::max(1.0, std::round(priors::kFoundMaskEdge * std::hypot(width, height))));
     const std::vector<uint8_t>& mask = picture.mask.pixels;
     UnsureEdge out{std::vector<uint8_t>(mask.size(), 0), std::vector<float>(mask.size() * 3, 0.0f)};
     // Every pixel beside the edge marks the pixels of the other side that are near.
@@ -58,11 +60,6 @@ UnsureEdge unsureEdge(const FramePicture& picture, uint32_t radiusPx) {
         }
     for (const size_t at : alone) out.unsure[at] = 0;
     return out;
-}
-
-uint32_t unsureRadiusPx(const FramePicture& picture) {
-    if (!picture.maskFound) return 0;
-    return uint32_t(std::max(1.0, std::round(priors::kFoundMaskEdge * std::hypot(picture.mask.widthPx, picture.mask.heightPx))));
 }
 
 }  // namespace dpl

@@ -11,11 +11,9 @@ struct UnsureEdge {
     std::vector<float> behind;    // three channels a pixel, 0 … 255: colours of the background nearby; 0 where unsure is 0
 };
 
-/** `radiusPx`: distance from the mask's edge within which it may be wrong. Background is what lies farther outside; each unsure pixel takes
- *  its mean with a Gaussian weight. Where there is none nearby, as between arm and body, the mask decides. */
-UnsureEdge unsureEdge(const FramePicture& picture, uint32_t radiusPx);
-
-/** That radius for a picture of this size; 0 for masks that networks did not find. */
-uint32_t unsureRadiusPx(const FramePicture& picture);
+/** Empty planes for a mask that networks did not find, which counts as exact. Otherwise its edge may be wrong within kFoundMaskEdge, at
+ *  least a pixel. Background is what lies farther outside; each unsure pixel takes its mean with a Gaussian weight. Where there is none
+ *  nearby, as between arm and body, the mask decides. */
+UnsureEdge unsureEdge(const FramePicture& picture);
 
 }  // namespace dpl
