@@ -11,6 +11,7 @@
 #include "reconstruction/body/fit_costs.h"
 #include "reconstruction/body/keypoint_chain.h"
 #include "reconstruction/body/keypoint_noise.h"
+#include "reconstruction/body/landmark_offsets.h"
 
 namespace dpl {
 
@@ -34,6 +35,8 @@ public:
           priors_(posePriors(body)),
           chain_(body, scan.keypointNames, jointsOf(priors_)) {
         context_.chain = &chain_;
+        for (size_t k = 0; scan.keypointsFound && k < chain_.keypointCount(); ++k)
+            chain_.setOffset(k, foundLandmarkOffset(scan.keypointNames[k]));
         for (size_t s = 0; s < priors_.size(); ++s)
             if (priors_[s].swayRad > 0) context_.sway.slots.push_back(uint32_t(s));
         shape_.assign(chain_.shapeCount(), 0.0);

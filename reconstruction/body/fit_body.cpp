@@ -187,12 +187,12 @@ void BodyFitter::findLandmarks() {
         chain_.evaluate(s.rootReference, s.root, s.pose.data(), shape_.data(), false, view.posed);
         views.push_back(std::move(view));
     }
-    if (views.size() < kMinStillFrames) return;
-    const std::vector<Vec3d> offsets = estimateLandmarkOffsets(chain_, views, settings_.outlierSigmas);
-    for (size_t k = 0; k < offsets.size(); ++k) {
-        landmarks_.push_back({chain_.hasKeypoint(k) ? chain_.carrier(k) : 0, offsets[k]});
-        chain_.setOffset(k, offsets[k]);
+    if (views.size() >= kMinStillFrames) {
+        const std::vector<Vec3d> further = estimateLandmarkOffsets(chain_, views, settings_.outlierSigmas);
+        for (size_t k = 0; k < further.size(); ++k) chain_.setOffset(k, chain_.offset(k) + further[k]);
     }
+    for (size_t k = 0; k < chain_.keypointCount(); ++k)
+        landmarks_.push_back({chain_.hasKeypoint(k) ? chain_.carrier(k) : 0, chain_.offset(k)});
 }
 
 /** The detector's noise from the residuals of the still training frames, whose pose is known best. */

@@ -46,6 +46,7 @@ public:
     uint32_t carrier(size_t k) const;
     /** Moves keypoint k by `offset`, metres in the rest frame of its carrier: X_k gains W_carrier · offset. Replaces an earlier offset. */
     void setOffset(size_t k, const Vec3d& offset) { offsets_[k] = offset; }
+    const Vec3d& offset(size_t k) const { return offsets_[k]; }
     /** Number of columns of the Jacobian: root (6), pose (3 per posed joint), shape, in this order. */
     size_t columns() const { return kRootSize + 3 * posedCount() + shapeCount_; }
 

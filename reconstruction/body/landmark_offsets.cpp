@@ -1,17 +1,47 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "reconstruction/body/landmark_offsets.h"
 
+#include <array>
+
 #include "reconstruction/priors.h"
 #include "sdk/math/projection.h"
 
 namespace dpl {
 namespace {
 
+/** Where our networks mark a keypoint: millimetres from the rig's point. */
+struct FoundLandmark {
+    std::string_view keypoint;                // without its side
+    double outMm = 0, upMm = 0, frontMm = 0;  // out: away from the middle of the body
+};
+// From keypoints triangulated over the still training pictures of the development set, where its scans agree in sign, to 5 mm
+// (docs/reference/observations.md). landmarks.cpp corrects what is proportional to a limb: hips, knees and shoulders up or down.
+constexpr std::array<FoundLandmark, 12> kFoundLandmarks = {{{"nose", 0, 10, -10},
+                                                            {"eye", 0, 0, -10},
+                                                            {"ear", -25, 0, 40},
+                                                            {"neck", 0, 0, 40},
+                                                            {"elbow", 0, 0, 20},
+                                                            {"wrist", -10, -15, 10},
+                                                            {"knuckle", -15, 0, -20},
+                                                            {"pelvis", 0, 0, 15},
+                                                            {"hip", 0, 0, 25},
+                                                            {"ankle", -20, 10, 0},
+                                                            {"toe", -20, 0, -10},
+                                                            {"head_top", 0, 15, 55}}};
+
 constexpr int kSteps = 12;
 constexpr size_t kMinViews = 3;
 constexpr double kLooseFactor = 5;  // the first steps widen the loss, because an offset of 3 cm looks like an outlier
 
 }  // namespace
+
+Vec3d foundLandmarkOffset(std::string_view keypoint) {
+    const bool left = keypoint.ends_with("_l"), right = keypoint.ends_with("_r");
+    const std::string_view part = left || right ? keypoint.substr(0, keypoint.size() - 2) : keypoint;
+    for (const FoundLandmark& found : kFoundLandmarks)
+        if (found.keypoint == part) return 0.001 * Vec3d(right ? -found.outMm : found.outMm, found.upMm, found.frontMm);
+    return Vec3d(0);
+}
 
 std::vector<Vec3d> estimateLandmarkOffsets(const KeypointChain& chain, std::span<const LandmarkView> views, double outlierSigmas) {
     std::vector<Vec3d> offsets(chain.keypointCount(), Vec3d(0));

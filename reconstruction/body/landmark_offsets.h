@@ -4,6 +4,7 @@
 #pragma once
 
 #include <span>
+#include <string_view>
 #include <vector>
 
 #include "reconstruction/body/keypoint_chain.h"
@@ -19,9 +20,13 @@ struct LandmarkView {
     KeypointChain::Output posed;
 };
 
-/** One offset per keypoint of `chain`, metres in the rest frame of its carrier; add them with KeypointChain::setOffset(). Each minimises
- *  Σ ρ((π(X + W·o) − x)/σ) + |o|²/priors::kLandmarkOffsetM² over the views, with ρ of Geman–McClure at `outlierSigmas`. Zero for a keypoint
- *  that fewer than three views show. */
+/** Where our networks mark a keypoint, relative to the body's own: metres in the rest frame, left is +x, up +y, front +z. Zero for a name
+ *  that the table lacks. */
+Vec3d foundLandmarkOffset(std::string_view keypoint);
+
+/** One offset per keypoint of `chain`, metres in the rest frame of its carrier, to be added to the offset that the chain has. Each
+ *  minimises Σ ρ((π(X + W·o) − x)/σ) + |o|²/priors::kLandmarkOffsetM² over the views, with ρ of Geman–McClure at `outlierSigmas`. Zero for
+ *  a keypoint that fewer than three views show. */
 std::vector<Vec3d> estimateLandmarkOffsets(const KeypointChain& chain, std::span<const LandmarkView> views, double outlierSigmas);
 
 }  // namespace dpl

@@ -64,6 +64,15 @@ TEST(LandmarkOffsets, findsWhereTheDetectorSeesAKeypoint) {
     EXPECT_EQ(few[wrist], Vec3d(0)) << "two views are too few";
 }
 
+TEST(LandmarkOffsets, ofOurNetworksAreMirrored) {
+    const Vec3d left = foundLandmarkOffset("ear_l"), right = foundLandmarkOffset("ear_r");
+    EXPECT_GT(glm::length(left), 0.01);
+    EXPECT_LT(left.x, 0) << "towards the middle of the body";
+    EXPECT_EQ(right, Vec3d(-left.x, left.y, left.z));
+    EXPECT_GT(foundLandmarkOffset("pelvis").z, 0);
+    for (const char* unknown : {"", "_l", "tail"}) EXPECT_EQ(foundLandmarkOffset(unknown), Vec3d(0)) << unknown;
+}
+
 TEST(PoseSmoothness, heavyTailHasTheGradientOfItsCost) {
     JointPrior prior;
     prior.accelerationRadS2 = 2;
