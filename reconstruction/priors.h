@@ -156,9 +156,15 @@ inline constexpr double kKeypointSigma = 0.0024;
  * corrected by hand), double 41 instead of 42 mm */
 inline constexpr double kFoundKeypointSigma = 0.006;
 /** Distance from the edge of a mask that our networks found within which a pixel may be on the wrong side.
- *  unit: share of the picture's diagonal | origin: dev; 3 px at 378 × 504 on scan-a | half, double: two thirds (2 px) lower scan-a's
- * validation pictures from 20.31 to 20.27 dB still and from 18.72 to 18.70 dB moving; half and double not measured */
-inline constexpr double kFoundMaskEdge = 0.0045;
+ *  unit: share of the picture's diagonal | origin: dev; 5 px at 378 × 504 on scan-a | half, double: 3 px lower scan-a's validation
+ * pictures from 20.38 to 20.32 dB still and from 18.68 to 18.59 dB moving, 2 px by a further 0.04 and 0.02; double not measured */
+inline constexpr double kFoundMaskEdge = 0.0075;
+/** Weight of the mask loss in the pixels of the edge of a mask that the scan brings, where person and background mix: the picture alone
+ *  would thin the edge.
+ *  unit: ratio to the weight elsewhere | origin: dev; scan-a's validation pictures 24.97 dB still and 21.04 moving without this edge, 25.43
+ * and 21.25 at 4, 25.51 and 21.30 at 8 | half, double: half on procedural seed 1, 21.80 instead of 22.18 dB still and 19.44 instead
+ * of 19.37 moving; 1 there 21.48 and 19.15; double not measured */
+inline constexpr double kGivenMaskEdgeWeight = 6;
 /** Geman-McClure scale of keypoint residuals.
  *  unit: standard deviations | origin: round figure | half, double: not measured */
 inline constexpr double kKeypointOutlierSigmas = 4;

@@ -59,7 +59,7 @@ Result<FoundPoses> runPoseFit(const StageRun& run, const IngestedScan& ingested,
                          {"untrained", untrainedInputs(ingested)},
                          {"pictureTrust", priors::kTrainedPictureTrust},
                          {"settings", fieldsJson(settings.poseFit)}};
-    DPL_TRY(const StageOutput stage, run.chain.run("pose-fit", 6, inputs, fitPoses));
+    DPL_TRY(const StageOutput stage, run.chain.run("pose-fit", 7, inputs, fitPoses));
     const std::filesystem::path file = stage.folder / "poses.json";
     DPL_TRY(PosesFile poses, readPosesFile(file));
     return FoundPoses{file, std::move(poses), stage.key};

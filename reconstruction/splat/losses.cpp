@@ -75,21 +75,22 @@ LossValues PictureLoss::run(const SplatImage& image, const PictureTarget& target
             for (uint32_t x = 0; x < boxWidth; ++x) {
                 const size_t i = (box.y0 + y) * width + box.x0 + x, at = y * boxWidth + x;
                 const float alpha = image.alpha[i], mask = kByte * float(target.mask[i]);
-                const bool scored = !target.band[i];
                 const Vec3f behind = behindPerson(target, i, background);
                 const float shown = target.shown.empty() ? mask : kByte * float(target.shown[i]);
                 for (uint32_t c = 0; c < 3; ++c) {
                     const float drawn = image.rgb[i * 3 + c] + (1 - alpha) * behind[int(c)];
-                    const float wanted = scored ? kByte * float(target.rgb[c * pixels + i]) + (1 - shown) * background[int(c)] : drawn;
+                    const float wanted = kByte * float(target.rgb[c * pixels + i]) + (1 - shown) * background[int(c)];
                     const float error = drawn - wanted;
                     drawn_.values[c * boxPixels + at] = drawn, wanted_.values[c * boxPixels + at] = wanted;
                     colourGradient_.values[c * boxPixels + at] = l1Step * sign(error);
                     sums[0] += std::abs(error);
-                    if (mask >= 0.5f && scored) sums[3] += double(error) * error, sums[4] += 1;
+                    if (mask >= 0.5f) sums[3] += double(error) * error, sums[4] += 1;
                 }
                 const float maskError = alpha - mask;
-                gradient.alpha[i] = maskStep * sign(maskError);
-                sums[1] += std::abs(maskError);
+                const float share = target.unsure.empty() ? 0 : kByte * float(target.unsure[i]);
+                const float maskWeight = 1 + (target.edgeMaskWeight - 1) * share;
+                gradient.alpha[i] = maskStep * maskWeight * sign(maskError);
+                sums[1] += maskWeight * std::abs(maskError);
                 if (withCloth) {
                     const float clothError = image.cloth[i] - kByte * float(target.cloth[i]);
                     gradient.cloth[i] = clothStep * sign(clothError);
@@ -118,10 +119,6 @@ LossValues PictureLoss::run(const SplatImage& image, const PictureTarget& target
             }
             for (size_t x = left; x < right; ++x) {
                 const size_t i = row + x, at = (y - box.y0) * boxWidth + x - left;
-                if (target.band[i]) {
-                    gradient.red[i] = gradient.green[i] = gradient.blue[i] = 0;
-                    continue;
-                }
                 const float r = colourGradient_.values[at], g = colourGradient_.values[boxPixels + at],
                             b = colourGradient_.values[2 * boxPixels + at];
                 gradient.red[i] = r, gradient.green[i] = g, gradient.blue[i] = b;

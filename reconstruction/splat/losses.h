@@ -17,11 +17,11 @@ struct PictureTarget {
     std::span<const uint8_t> rgb;    // three planes
     std::span<const uint8_t> mask;   // soft coverage of the person
     std::span<const uint8_t> cloth;  // empty: no label loss
-    std::span<const uint8_t> band;   // 1 within one pixel of the mask's edge, where colour has no loss
-    // For a mask whose edge is unsure; empty otherwise. There the target is the picture itself, background included.
-    std::span<const uint8_t> shown;   // coverage of `rgb`: the person and the unsure pixels
-    std::span<const uint8_t> unsure;  // coverage of the unsure pixels
+    // At the edge of the mask, unless empty, the target is the picture itself, background included.
+    std::span<const uint8_t> shown;   // coverage of `rgb`: the person and the edge
+    std::span<const uint8_t> unsure;  // coverage of the edge
     std::span<const uint8_t> behind;  // three planes: what lies behind the person there, premultiplied by `unsure`
+    float edgeMaskWeight = 1;         // of the mask loss there, relative to elsewhere
 };
 
 struct LossWeights {
@@ -29,7 +29,7 @@ struct LossWeights {
 };
 
 struct LossValues {
-    double total = 0, l1 = 0, ssim = 0, mask = 0, cloth = 0;  // l1 … cloth are unweighted; ssim is 1 − SSIM
+    double total = 0, l1 = 0, ssim = 0, mask = 0, cloth = 0;  // l1 … cloth are unweighted, but for the edge; ssim is 1 − SSIM
     double squaredError = 0;                                  // over channels of pixels with mask ≥ ½, over the background
     double squaredCount = 0;
 };
@@ -38,9 +38,8 @@ class PictureLoss {
 public:
     explicit PictureLoss(Jobs& jobs) : jobs_(jobs), ssim_(jobs) {}
 
-    /** Loss of `image` (premultiplied, same size as the target), with image and target composited over `background`; the unsure part of a
+    /** Loss of `image` (premultiplied, same size as the target), with image and target composited over `background`; the edge's part of a
      *  pixel over what lies behind. Fills `gradient`.
-     *  In the band the target is the rendered colour itself, so the band has no colour loss and no colour gradient.
      *  Only the box around the drawn and the wanted pixels is computed. Outside it both show the background, and every term is zero. */
     LossValues run(const SplatImage& image, const PictureTarget& target, const LossWeights& weights, const Vec3f& background,
                    ImageGradient& gradient);

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "reconstruction/priors.h"
 #include "reconstruction/splat/unsure_edge.h"
 #include "sdk/math/projection.h"
 
@@ -87,7 +88,7 @@ float coarsestScale(const TrainFrame& f) {
     return std::min(1.0f, std::max(0.1f, 160.0f / float(std::min(f.camera.widthPx, f.camera.heightPx))));
 }
 
-LevelFrame makeLevelFrame(const TrainFrame& f, float scale, std::span<const uint8_t> clothLabels, bool withBand) {
+LevelFrame makeLevelFrame(const TrainFrame& f, float scale, std::span<const uint8_t> clothLabels, bool fullResolution) {
     const ImageRgb8& image = f.picture->image;
     const ImageGrey8 &mask = f.picture->mask, &labels = f.picture->labels;
     LevelFrame level;
@@ -118,7 +119,7 @@ LevelFrame makeLevelFrame(const TrainFrame& f, float scale, std::span<const uint
     columns = {columns.begin() + left, columns.begin() + right};
     rows = {rows.begin() + top, rows.begin() + bottom};
     const size_t pixels = size_t(level.widthPx) * level.heightPx;
-    level.rgb.resize(pixels * 3), level.mask.resize(pixels), level.band.assign(pixels, 0);
+    level.rgb.resize(pixels * 3), level.mask.resize(pixels);
     const auto inside = [&](size_t at) { return isPerson(mask.pixels[at]); };
     /** Area average of value(pixel), 0 … 255, to `out`. */
     const auto reduce = [&](auto&& value, uint8_t* out) {
@@ -126,8 +127,8 @@ LevelFrame makeLevelFrame(const TrainFrame& f, float scale, std::span<const uint
             areaAverage(width, height, columns, rows, [&](uint32_t x, uint32_t y) { return float(value(size_t(y) * width + x)); });
         std::transform(plane.begin(), plane.end(), out, toByte);
     };
-    const UnsureEdge edge = unsureEdge(*f.picture);
-    const bool hasEdge = !edge.unsure.empty();
+    const bool found = f.picture->maskFound, hasEdge = found || fullResolution;
+    const UnsureEdge edge = hasEdge ? unsureEdge(*f.picture) : UnsureEdge{};
     const auto isUnsure = [&](size_t at) { return hasEdge && edge.unsure[at]; };
     const auto isShown = [&](size_t at) { return inside(at) || isUnsure(at); };
     for (size_t c = 0; c < 3; ++c) reduce([&](size_t at) { return isShown(at) ? image.pixels[at * 3 + c] : 0; }, &level.rgb[c * pixels]);
@@ -144,15 +145,7 @@ LevelFrame makeLevelFrame(const TrainFrame& f, float scale, std::span<const uint
         reduce([&](size_t at) { return isShown(at) ? 255 : 0; }, level.shown.data());
         reduce([&](size_t at) { return isUnsure(at) ? 255 : 0; }, level.unsure.data());
         for (size_t c = 0; c < 3; ++c) reduce([&](size_t at) { return edge.behind[at * 3 + c]; }, &level.behind[c * pixels]);
-    } else if (withBand) {
-        const int w = int(level.widthPx), h = int(level.heightPx);
-        for (int y = 0; y < h; ++y)
-            for (int x = 0; x < w; ++x) {
-                const bool within = isPerson(level.mask[size_t(y * w + x)]);
-                for (int j = std::max(0, y - 1); j <= std::min(h - 1, y + 1); ++j)
-                    for (int i = std::max(0, x - 1); i <= std::min(w - 1, x + 1); ++i)
-                        if (isPerson(level.mask[size_t(j * w + i)]) != within) level.band[size_t(y * w + x)] = 1;
-            }
+        if (!found) level.edgeMaskWeight = float(priors::kGivenMaskEdgeWeight);
     }
     camera.cx -= left, camera.cy -= top;
     camera.widthPx = level.widthPx, camera.heightPx = level.heightPx;

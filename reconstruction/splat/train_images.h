@@ -35,13 +35,12 @@ struct LevelFrame {
     uint32_t leftPx = 0, topPx = 0;  // the crop's corner in the whole image of the level
     float scale = 1;                 // level width / full width
     float kappaPx2 = 0;
-    Cameraf camera;            // of the crop
-    std::vector<uint8_t> rgb;  // planar, premultiplied by `shown`, or by the mask
-    std::vector<uint8_t> mask, cloth, band;
-    std::vector<uint8_t> shown, unsure, behind;  // empty but for masks that networks found
+    Cameraf camera;                                                // of the crop
+    std::vector<uint8_t> rgb, mask, cloth, shown, unsure, behind;  // as in PictureTarget
+    float edgeMaskWeight = 1;
     uint32_t personPx = 0;
 
-    PictureTarget target() const { return {widthPx, heightPx, rgb, mask, cloth, band, shown, unsure, behind}; }
+    PictureTarget target() const { return {widthPx, heightPx, rgb, mask, cloth, shown, unsure, behind, edgeMaskWeight}; }
 };
 
 /** Checks that image, mask and labels (unless empty) have the camera's size. The error names the frame. */
@@ -49,10 +48,10 @@ Status checkTrainFrame(const TrainFrame& frame);
 /** Checks that the precision, if there is one, fits a rig of so many joints. The error names the frame. */
 Status checkPrecision(const TrainFrame& frame, size_t jointCount);
 
-/** The person's pixels at `scale`. The colour is premultiplied by isPerson() of the mask. clothLabels: label values that
- *  count as cloth. withBand: fill `band`, the pixels within one pixel of the mask's edge (for full resolution). A mask that networks found
- *  has an unsure edge instead of a band (unsure_edge.h). */
-LevelFrame makeLevelFrame(const TrainFrame& frame, float scale, std::span<const uint8_t> clothLabels, bool withBand);
+/** The person's pixels at `scale`, as isPerson() of the mask says. clothLabels: label values that count as cloth. The mask's edge
+ *  (unsure_edge.h) is marked at every resolution for masks that networks found, and for a scan's own if `fullResolution`: a pixel is too
+ *  wide elsewhere. */
+LevelFrame makeLevelFrame(const TrainFrame& frame, float scale, std::span<const uint8_t> clothLabels, bool fullResolution);
 
 /** The scale of a frame at the coarsest level: its short side becomes 160 px, but the scale stays in [0.1, 1]. */
 float coarsestScale(const TrainFrame& frame);

@@ -23,9 +23,9 @@ void around(int x, int y, int width, int height, int reach, Visit&& visit) {
 }  // namespace
 
 UnsureEdge unsureEdge(const FramePicture& picture) {
-    if (!picture.maskFound) return {};
     const int width = int(picture.mask.widthPx), height = int(picture.mask.heightPx);
-    const int radius = int(std::max(1.0, std::round(priors::kFoundMaskEdge * std::hypot(width, height))));
+    const double share = picture.maskFound ? priors::kFoundMaskEdge : 0;
+    const int radius = int(std::max(1.0, std::round(share * std::hypot(width, height))));
     const std::vector<uint8_t>& mask = picture.mask.pixels;
     UnsureEdge out{std::vector<uint8_t>(mask.size(), 0), std::vector<float>(mask.size() * 3, 0.0f)};
     // Every pixel beside the edge marks the pixels of the other side that are near.

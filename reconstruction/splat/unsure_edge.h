@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The edge of a mask that networks found: pixels that may be the person's or not, and what lies behind the person there.
+// The edge of a mask: pixels that may be the person's or only in part, and what lies behind the person there.
 #pragma once
 
 #include "reconstruction/capture/frame_picture.h"
@@ -11,9 +11,9 @@ struct UnsureEdge {
     std::vector<float> behind;    // three channels a pixel, 0 … 255: colours of the background nearby; 0 where unsure is 0
 };
 
-/** Empty planes for a mask that networks did not find, which counts as exact. Otherwise its edge may be wrong within kFoundMaskEdge, at
- *  least a pixel. Background is what lies farther outside; each unsure pixel takes its mean with a Gaussian weight. Where there is none
- *  nearby, as between arm and body, the mask decides. */
+/** The radius is a pixel, in which person and background mix; masks that networks found may be wrong within kFoundMaskEdge. Background is
+ *  what lies farther outside; each unsure pixel takes its mean with a Gaussian weight. Where there is none nearby, as between arm and body,
+ *  the mask decides. */
 UnsureEdge unsureEdge(const FramePicture& picture);
 
 }  // namespace dpl

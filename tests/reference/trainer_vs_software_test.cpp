@@ -40,7 +40,7 @@ std::vector<uint8_t> drawWithTrainer(const AvatarData& avatar, const Pose& pose,
     level.used = true, level.widthPx = camera.widthPx, level.heightPx = camera.heightPx, level.kappaPx2 = avatar.kappaPx2,
     level.camera = camera;
     const size_t pixels = size_t(camera.widthPx) * camera.heightPx;
-    level.rgb.resize(pixels * 3), level.mask.resize(pixels), level.band.resize(pixels);
+    level.rgb.resize(pixels * 3), level.mask.resize(pixels);
     FramePass pass(jobs);
     pass.run({splats, avatar.mesh, avatar.correctives, avatar.joints, bind, incidence}, pose, level, {}, Vec3f(0), false);
     std::vector<uint8_t> rgba;

@@ -38,10 +38,12 @@ TEST(LevelFrame, cropsToThePersonPlusTenPercentAndKeepsTheRays) {
     EXPECT_FLOAT_EQ(full.camera.cx, 50.0f);
     EXPECT_EQ(full.rgb[(10 * 70) + 10], f.shown->image.pixels[(100 * 200 + 60) * 3]) << "masked pixels are copied";
     EXPECT_EQ(full.rgb[0], 0) << "colour is premultiplied by the mask";
-    EXPECT_EQ(std::accumulate(full.band.begin(), full.band.end(), 0), 2 * (2 * 50 + 2 * 100))
-        << "one pixel inside, one outside; corners counted once each side";
+    EXPECT_EQ(std::accumulate(full.unsure.begin(), full.unsure.end(), 0), 255 * (2 * 50 + 2 * 98 + 2 * 50 + 2 * 100))
+        << "the edge: one pixel inside, one outside";
+    EXPECT_GT(full.edgeMaskWeight, 1);
     const LevelFrame half = makeLevelFrame(f, 0.5f, {}, false);
     EXPECT_EQ(half.widthPx, 35u);
+    EXPECT_TRUE(half.unsure.empty()) << "a pixel is too wide here";
     EXPECT_FLOAT_EQ(half.camera.fx, 50.0f);
     EXPECT_FLOAT_EQ(half.kappaPx2, kTrainedKappaPx2) << "the same at every size";
     const Vec3f ray(0.1f, -0.2f, 1);
@@ -63,27 +65,29 @@ TEST(LevelFrame, areaAverageKeepsTheMean) {
 
 /** Person and background of one colour each; the mask that networks found is a pixel too wide on the right. */
 TEST(LevelFrame, foundMasksHaveAnUnsureEdge) {
-    Given f = frame(400, 300);  // a radius of 2 px
+    Given f = frame(400, 300);  // a radius of 4 px
     for (uint32_t y = 0; y < 300; ++y)
         for (uint32_t x = 0; x < 400; ++x)
             for (uint32_t c = 0; c < 3; ++c) f.shown->image.pixels[(y * 400 + x) * 3 + c] = x >= 150 && x < 250 ? 200 : 40;
     for (uint32_t y = 50; y < 250; ++y)
         for (uint32_t x = 150; x < 251; ++x) f.shown->mask.pixels[y * 400 + x] = 255;
-    EXPECT_TRUE(makeLevelFrame(f, 1, {}, true).unsure.empty()) << "masks that a scan brings are exact";
+    const LevelFrame given = makeLevelFrame(f, 1, {}, true);
+    EXPECT_EQ(given.unsure[size_t(150 - given.topPx) * given.widthPx + 247 - given.leftPx], 0)
+        << "masks that a scan brings are exact to a pixel";
     f.shown->maskFound = true;
     const LevelFrame full = makeLevelFrame(f, 1, {}, true);
     const auto at = [&](uint32_t x) { return size_t(150 - full.topPx) * full.widthPx + x - full.leftPx; };
-    for (const uint32_t x : {148u, 149u, 150u, 151u, 249u, 250u, 251u, 252u}) {
+    for (const uint32_t x : {146u, 149u, 150u, 153u, 247u, 250u, 251u, 254u}) {
         EXPECT_EQ(full.unsure[at(x)], 255) << x;
         EXPECT_EQ(full.behind[at(x)], 40) << x;
         EXPECT_EQ(full.shown[at(x)], 255) << x;
         EXPECT_EQ(full.rgb[at(x)], x >= 150 && x < 250 ? 200 : 40) << "the picture as it is, " << x;
     }
-    for (const uint32_t x : {147u, 152u, 248u, 253u}) EXPECT_EQ(full.unsure[at(x)], 0) << x;
+    for (const uint32_t x : {145u, 154u, 246u, 255u}) EXPECT_EQ(full.unsure[at(x)], 0) << x;
     EXPECT_EQ(full.rgb[at(200)], 200);
     EXPECT_EQ(full.shown[at(200)], 255);
-    EXPECT_EQ(full.rgb[at(254)] + full.shown[at(254)], 0) << "background that is sure is random";
-    EXPECT_EQ(std::accumulate(full.band.begin(), full.band.end(), 0), 0) << "the picture replaces the band without loss";
+    EXPECT_EQ(full.rgb[at(256)] + full.shown[at(256)], 0) << "background that is sure is random";
+    EXPECT_EQ(full.edgeMaskWeight, 1) << "the mask is no surer than the picture";
     const LevelFrame half = makeLevelFrame(f, 0.5f, {}, false);
     EXPECT_GT(std::accumulate(half.unsure.begin(), half.unsure.end(), size_t(0)), size_t(0));
     std::fill(f.shown->mask.pixels.begin(), f.shown->mask.pixels.end(), uint8_t(255));
