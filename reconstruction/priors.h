@@ -7,7 +7,8 @@
 // reconstruction/report/provenance.cpp names. Figures of those scans are optimistic.
 //
 // In the body fit a length, angle or acceleration is the standard deviation of a term unless its text says otherwise. The spreads of single
-// joints are not here: reconstruction/body/pose_prior.cpp holds them, a row a joint.
+// joints are not here: reconstruction/body/pose_prior.cpp holds them, a row a joint. Nor are the places where our networks mark joints:
+// reconstruction/body/landmark_offsets.cpp holds them, a row a keypoint.
 #pragma once
 
 namespace dpl::priors {

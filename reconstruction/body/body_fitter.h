@@ -92,7 +92,6 @@ private:
     FitContext context_;
     std::vector<double> shape_;
     double logUnit_ = 0;
-    std::vector<LandmarkOffset> landmarks_;
     std::optional<KeypointNoise> detectorNoise_;
     FrameState still_;
     std::vector<FrameState> frames_;

@@ -187,12 +187,9 @@ void BodyFitter::findLandmarks() {
         chain_.evaluate(s.rootReference, s.root, s.pose.data(), shape_.data(), false, view.posed);
         views.push_back(std::move(view));
     }
-    if (views.size() >= kMinStillFrames) {
-        const std::vector<Vec3d> further = estimateLandmarkOffsets(chain_, views, settings_.outlierSigmas);
-        for (size_t k = 0; k < further.size(); ++k) chain_.setOffset(k, chain_.offset(k) + further[k]);
-    }
-    for (size_t k = 0; k < chain_.keypointCount(); ++k)
-        landmarks_.push_back({chain_.hasKeypoint(k) ? chain_.carrier(k) : 0, chain_.offset(k)});
+    if (views.size() < kMinStillFrames) return;
+    const std::vector<Vec3d> further = estimateLandmarkOffsets(chain_, views, settings_.outlierSigmas);
+    for (size_t k = 0; k < further.size(); ++k) chain_.setOffset(k, chain_.offset(k) + further[k]);
 }
 
 /** The detector's noise from the residuals of the still training frames, whose pose is known best. */
@@ -351,7 +348,8 @@ BodyFit BodyFitter::collect() const {
     fit.shape = shape_;
     fit.metresPerUnit = std::exp(logUnit_);
     if (detectorNoise_) fit.keypointSigma = detectorNoise_->sigma, fit.outlierShare = detectorNoise_->outlierShare;
-    fit.landmarks = landmarks_;
+    for (size_t k = 0; k < chain_.keypointCount(); ++k)
+        fit.landmarks.push_back({chain_.hasKeypoint(k) ? chain_.carrier(k) : 0, chain_.offset(k)});
     fit.staticPose = poseOf(still_);
     for (size_t f = 0; f < frames_.size(); ++f) {
         fit.poses.push_back(poseOf(effective(f)));
