@@ -84,7 +84,8 @@ std::vector<ContrastTerm> contrastTerms(const RegisterInput& input, std::span<co
     size_t person = 0;
     for (const uint8_t i : image.inside) person += i;
     const double areaPx = double(person) / double(std::max<size_t>(1, terms.size()));
-    for (ContrastTerm& term : terms) term.weight = priors::kContrastTrust * std::min(1.0, areaPx / (4 * kPi * blurPx * blurPx));
+    const double weight = input.pictureWeight * priors::kContrastTrust * std::min(1.0, areaPx / (4 * kPi * blurPx * blurPx));
+    for (ContrastTerm& term : terms) term.weight = weight;
     return terms;
 }
 
@@ -210,7 +211,7 @@ Result<Registration> registerFrames(const RegisterInput& given, const RegisterSe
             poses.addTerms(problem, Split::Train);
             for (size_t i = 0; i < shown.size(); ++i) {
                 const RegisterFrame& frame = input.frames[shown[i]];
-                for (OutlineTerm& term : views[i].outline) term.weight *= priors::kOutlineTrust;
+                for (OutlineTerm& term : views[i].outline) term.weight *= input.pictureWeight * priors::kOutlineTrust;
                 const double framePx = blurPx * std::clamp(pxPerM[i] / usual, 0.25, 8.0);
                 poses.addPicture(problem, shown[i],
                                  new PictureCost(poses.chain(), frame.camera, poses.reference(shown[i]), &images[i],

@@ -31,6 +31,24 @@ TEST(RegisterFrames, picturesImproveOnKeypoints) {
     EXPECT_LT(scene.errorMm(with->poses, FrameKind::StaticFull), 6);  // half a pixel
 }
 
+TEST(RegisterFrames, pictureWeightGuardsAgainstKeypointsThatErrAlike) {
+    PaintedScene scene(8);
+    for (size_t f = 0; f < scene.frames.size(); ++f)
+        if (scene.frames[f].kind == FrameKind::Dynamic)
+            for (Keypoint& k : scene.keypoints[f]) k.px += Vec2d(4, -2);
+    const auto errorMm = [&](double weight) {
+        RegisterInput input = scene.input();
+        input.pictureWeight = weight;
+        const auto result = registerFrames(input, {}, scene.jobs);
+        EXPECT_TRUE(result) << result.error().message;
+        return result ? scene.errorMm(result->poses, FrameKind::Dynamic) : 0.0;
+    };
+    const double usual = errorMm(1), more = errorMm(priors::kFoundPictureWeight);
+    std::printf("mean keypoint error: weight 1: %.1f mm, weight %.0f: %.1f mm\n", usual, priors::kFoundPictureWeight, more);
+    EXPECT_GT(usual, 12) << "the case is not hard";
+    EXPECT_LT(more, 0.8 * usual);
+}
+
 TEST(RegisterFrames, resultsDoNotDependOnThreads) {
     PaintedScene scene(4);
     RegisterSettings quick;
