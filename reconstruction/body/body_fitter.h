@@ -72,7 +72,7 @@ private:
     void findLandmarks();
     std::optional<KeypointNoise> detectorNoise();
     Status refineShape(double from, double to);
-    void untangleLimbs(const std::vector<size_t>& order, const std::function<bool(size_t)>& mayChange);
+    void untangleMoving(const std::vector<size_t>& order, const std::function<bool(size_t)>& mayChange);
     Status trackMoving(const std::vector<size_t>& order, double from, double to);
     Status fitMoving(double from, double to);
     Status fitUntrained(double from, double to);

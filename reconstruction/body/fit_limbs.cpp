@@ -12,17 +12,11 @@
 namespace dpl {
 namespace {
 
-constexpr int kStates = 4;  // elbow near or far × wrist near or far
 constexpr int kTwistSteps = 10;
 constexpr double kTwistStepRad = 0.15;
 constexpr double kSidewaysSigmaRad = 0.15, kHyperextensionSigmaRad = 0.15;  // loose: elbow depth is known to a few cm
 constexpr double kBackwardSigma = 0.1;
 constexpr double kShoulderSigmaRad = 0.1;  // σ of the part beyond the shoulder's range
-
-struct Candidate {
-    LimbGuess guess;
-    double cost = 0;  // shoulder and elbow priors, σ²
-};
 
 /** The two points of the pixel's ray at distance `length` from `from`. A ray that passes farther away gives its nearest point, moved to
  *  that distance. */
@@ -46,8 +40,8 @@ double spread(double sigmas, double tail) {
     return tail > 0 ? sigmas * sigmas / (1 + sigmas * sigmas / (tail * tail)) : sigmas * sigmas;
 }
 
-Candidate makeCandidate(const LimbRig& rig, const LimbView& view, const Vec3d& elbow, const Vec3d& wrist) {
-    Candidate c{{Vec3d(0), 0, elbow, wrist}, 0};
+LimbCandidate makeCandidate(const LimbRig& rig, const LimbView& view, const Vec3d& elbow, const Vec3d& wrist) {
+    LimbCandidate c{Vec3d(0), 0, elbow, wrist, 0};
     const Mat3d toParent = glm::transpose(view.worldFromParent);
     const Vec3d upper = glm::normalize(toParent * (elbow - view.shoulder)), lower = glm::normalize(toParent * (wrist - elbow));
     const Vec3d cross = glm::cross(upper, lower);
@@ -71,8 +65,8 @@ Candidate makeCandidate(const LimbRig& rig, const LimbView& view, const Vec3d& e
         }
         if (cost >= c.cost) continue;
         c.cost = cost;
-        c.guess.shoulder = shoulder;
-        c.guess.bendRad = std::max(0.0, flexion) - rig.restBendRad;
+        c.shoulder = shoulder;
+        c.bendRad = std::max(0.0, flexion) - rig.restBendRad;
     }
     const double behind = std::max(0.0, -upper.z - rig.maxBackward) / kBackwardSigma;
     c.cost += behind * behind;
@@ -88,61 +82,60 @@ double acceleration2(const Vec3d& a, const Vec3d& b, const Vec3d& c, double befo
 
 }  // namespace
 
-std::vector<std::optional<LimbGuess>> untangleLimb(const LimbRig& rig, const std::vector<LimbView>& views) {
-    std::vector<std::optional<LimbGuess>> guesses(views.size());
-    std::vector<size_t> used;
-    std::vector<std::array<Candidate, kStates>> candidates;
-    for (size_t i = 0; i < views.size(); ++i) {
-        const LimbView& v = views[i];
-        if (!(v.elbow.confidence > 0) || !(v.wrist.confidence > 0)) continue;
-        used.push_back(i);
-        std::array<Candidate, kStates> four;
-        const auto elbows = onRay(v.camera, v.elbow.px, v.shoulder, rig.upperM);
-        for (int e = 0; e < 2; ++e) {
-            const auto wrists = onRay(v.camera, v.wrist.px, elbows[size_t(e)], rig.lowerM);
-            for (int w = 0; w < 2; ++w) four[size_t(2 * e + w)] = makeCandidate(rig, v, elbows[size_t(e)], wrists[size_t(w)]);
-        }
-        candidates.push_back(four);
+std::array<LimbCandidate, 4> limbCandidates(const LimbRig& rig, const LimbView& view) {
+    std::array<LimbCandidate, 4> four;
+    const auto elbows = onRay(view.camera, view.elbowPx, view.shoulder, rig.upperM);
+    for (size_t e = 0; e < 2; ++e) {
+        const auto wrists = onRay(view.camera, view.wristPx, elbows[e], rig.lowerM);
+        for (size_t w = 0; w < 2; ++w) four[2 * e + w] = makeCandidate(rig, view, elbows[e], wrists[w]);
     }
-    if (used.empty()) return guesses;
+    return four;
+}
 
-    // best[i][s][t]: least cost up to frame i with state s at i−1 and state t at i.
-    const size_t n = used.size();
-    using Table = std::array<std::array<double, kStates>, kStates>;
-    using Links = std::array<std::array<int, kStates>, kStates>;
-    std::vector<Table> best(n);
-    std::vector<Links> link(n);
-    for (int s = 0; s < kStates; ++s)
-        for (int t = 0; t < kStates; ++t)
-            best[0][size_t(s)][size_t(t)] = s == 0 ? candidates[0][size_t(t)].cost : std::numeric_limits<double>::infinity();
-    for (size_t i = 1; i < n; ++i)
-        for (size_t s = 0; s < kStates; ++s)
-            for (size_t t = 0; t < kStates; ++t) {
-                const double after = views[used[i]].timeS - views[used[i - 1]].timeS;
-                double winner = std::numeric_limits<double>::infinity();
-                for (size_t r = 0; r < kStates; ++r) {
-                    double cost = best[i - 1][r][s];
-                    const double before = i >= 2 ? views[used[i - 1]].timeS - views[used[i - 2]].timeS : 0;
-                    if (i >= 2 && before > 1e-4 && after > 1e-4 && before < kMaxGapS && after < kMaxGapS)
-                        cost += acceleration2(candidates[i - 2][r].guess.elbow, candidates[i - 1][s].guess.elbow,
-                                              candidates[i][t].guess.elbow, before, after, priors::kElbowAccelerationMS2) +
-                                acceleration2(candidates[i - 2][r].guess.wrist, candidates[i - 1][s].guess.wrist,
-                                              candidates[i][t].guess.wrist, before, after, priors::kWristAccelerationMS2);
-                    if (cost < winner) winner = cost, link[i][s][t] = int(r);
+std::vector<size_t> chooseLimbs(std::span<const LimbChoices> frames) {
+    const size_t n = frames.size();
+    if (n == 0) return {};
+    // best[i](s, t): least cost up to frame i with candidate s at i−1 and t at i. link: the candidate at i−2 of that sequence.
+    struct Table {
+        size_t columns = 0;
+        std::vector<double> best;
+        std::vector<size_t> link;
+    };
+    std::vector<Table> tables(n);
+    for (size_t i = 0; i < n; ++i) {
+        const auto& now = frames[i].candidates;
+        const size_t rows = i > 0 ? frames[i - 1].candidates.size() : 1, olds = i > 1 ? frames[i - 2].candidates.size() : 1;
+        Table& table = tables[i];
+        table.columns = now.size();
+        table.best.assign(rows * now.size(), std::numeric_limits<double>::infinity());
+        table.link.assign(rows * now.size(), 0);
+        const double after = i > 0 ? frames[i].timeS - frames[i - 1].timeS : 0,
+                     before = i > 1 ? frames[i - 1].timeS - frames[i - 2].timeS : 0;
+        const bool moves = before > 1e-4 && after > 1e-4 && before < kMaxGapS && after < kMaxGapS;
+        for (size_t s = 0; s < rows; ++s)
+            for (size_t t = 0; t < now.size(); ++t)
+                for (size_t r = 0; r < olds; ++r) {
+                    double cost = now[t].cost + (i > 0 ? tables[i - 1].best[r * tables[i - 1].columns + s] : 0);
+                    if (moves) {
+                        const LimbCandidate &a = frames[i - 2].candidates[r], &b = frames[i - 1].candidates[s];
+                        cost += acceleration2(a.elbow, b.elbow, now[t].elbow, before, after, priors::kElbowAccelerationMS2) +
+                                acceleration2(a.wrist, b.wrist, now[t].wrist, before, after, priors::kWristAccelerationMS2);
+                    }
+                    double& best = table.best[s * now.size() + t];
+                    if (cost < best) best = cost, table.link[s * now.size() + t] = r;
                 }
-                best[i][s][t] = winner + candidates[i][t].cost;
-            }
-    size_t s = 0, t = 0;
-    for (size_t a = 0; a < kStates; ++a)
-        for (size_t b = 0; b < kStates; ++b)
-            if (best[n - 1][a][b] < best[n - 1][s][t]) s = a, t = b;
+    }
+    const Table& last = tables[n - 1];
+    const size_t end = size_t(std::min_element(last.best.begin(), last.best.end()) - last.best.begin());
+    std::vector<size_t> chosen(n);
+    size_t s = end / last.columns, t = end % last.columns;
     for (size_t i = n; i-- > 0;) {
-        guesses[used[i]] = candidates[i][t].guess;
-        const size_t r = i > 0 ? size_t(link[i][s][t]) : 0;
+        chosen[i] = t;
+        const size_t r = tables[i].link[s * tables[i].columns + t];
         t = s;
         s = r;
     }
-    return guesses;
+    return chosen;
 }
 
 }  // namespace dpl

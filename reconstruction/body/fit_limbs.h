@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // Decides whether an arm or a leg bends towards or away from the camera. In one view two points on the elbow's ray lie an upper arm's
 // length from the shoulder, and likewise two for the wrist: four candidates per frame. Dynamic programming over pairs of frames finds the
-// exact sequence with the least acceleration and the most natural shoulder. Least squares alone cannot move from one candidate to another.
-// The names are those of the arm; for a leg read hip, knee, ankle.
+// exact sequence with the least acceleration and the least cost of its candidates. Least squares alone cannot move from one candidate to
+// another. The names are those of the arm; for a leg read hip, knee, ankle.
 #pragma once
 
-#include <optional>
+#include <array>
+#include <span>
 #include <vector>
 
 #include "reconstruction/capture/scan.h"
@@ -30,18 +31,27 @@ struct LimbRig {
 struct LimbView {
     double timeS = 0;
     Camerad camera;
-    Keypoint elbow, wrist;  // pixels; confidence 0 in one of them: the frame is left out
+    Vec2d elbowPx{0}, wristPx{0};
     Vec3d shoulder{0};
     Mat3d worldFromParent{1};  // world rotation of the upper arm's parent
 };
 
-struct LimbGuess {
+struct LimbCandidate {
     Vec3d shoulder{0};         // rotation vector of the upper arm, local
     double bendRad = 0;        // angle about hingeAxis from rest
     Vec3d elbow{0}, wrist{0};  // world
+    double cost = 0;           // of how natural shoulder and elbow are, σ²
 };
 
-/** One guess per view; empty where a keypoint is missing. `views` must be in order of time. */
-std::vector<std::optional<LimbGuess>> untangleLimb(const LimbRig& rig, const std::vector<LimbView>& views);
+/** Elbow near or far, for each of them wrist near or far. A ray that passes too far away gives the same point twice. */
+std::array<LimbCandidate, 4> limbCandidates(const LimbRig& rig, const LimbView& view);
+
+/** One frame of a sequence. It has at least one candidate. */
+struct LimbChoices {
+    double timeS = 0;
+    std::vector<LimbCandidate> candidates;
+};
+/** The index of the chosen candidate of each frame. `frames` must be in order of time. */
+std::vector<size_t> chooseLimbs(std::span<const LimbChoices> frames);
 
 }  // namespace dpl

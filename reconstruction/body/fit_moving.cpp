@@ -6,10 +6,8 @@
 #include <limits>
 
 #include "reconstruction/body/body_fitter.h"
-#include "reconstruction/body/body_tools.h"
-#include "reconstruction/body/fit_limbs.h"
+#include "reconstruction/body/limb_depths.h"
 #include "reconstruction/body/motion_terms.h"
-#include "reconstruction/priors.h"
 
 namespace dpl {
 namespace {
@@ -59,75 +57,15 @@ Status BodyFitter::trackMoving(const std::vector<size_t>& order, double from, do
     return {};
 }
 
-/** Sets arms and legs of the moving frames to the best sequence of depth choices (fit_limbs.h), where it differs from the current pose. */
-void BodyFitter::untangleLimbs(const std::vector<size_t>& order, const std::function<bool(size_t)>& mayChange) {
-    struct Limb {
-        const char *upper, *lower, *end, *middleKeypoint, *endKeypoint;
-        double maxBackward;
-    };
-    constexpr Limb kLimbs[] = {{"leftUpperArm", "leftLowerArm", "leftHand", "elbow_l", "wrist_l", 0.25},
-                               {"rightUpperArm", "rightLowerArm", "rightHand", "elbow_r", "wrist_r", 0.25},
-                               {"leftUpperLeg", "leftLowerLeg", "leftFoot", "knee_l", "ankle_l", 0.7},
-                               {"rightUpperLeg", "rightLowerLeg", "rightFoot", "knee_r", "ankle_r", 0.7}};
-    const auto keypoint = [&](const char* name) {
-        return size_t(std::find(scan_.keypointNames.begin(), scan_.keypointNames.end(), name) - scan_.keypointNames.begin());
-    };
-    const auto slotOf = [&](int32_t joint) {
-        return size_t(std::find(chain_.posedJoints().begin(), chain_.posedJoints().end(), uint32_t(joint)) - chain_.posedJoints().begin());
-    };
-    for (const Limb& limb : kLimbs) {
-        const int32_t upper = findHumanoid(body_, limb.upper), lower = findHumanoid(body_, limb.lower), end = findHumanoid(body_, limb.end);
-        const size_t middleKeypoint = keypoint(limb.middleKeypoint), endKeypoint = keypoint(limb.endKeypoint),
-                     names = scan_.keypointNames.size();
-        if (upper <= 0 || lower <= 0 || end <= 0 || middleKeypoint == names || endKeypoint == names) continue;
-        const size_t upperSlot = slotOf(upper), lowerSlot = slotOf(lower);
-        if (upperSlot == priors_.size() || lowerSlot == priors_.size()) continue;
-        const auto rest = [&](int32_t joint) { return chain_.restPlace(size_t(joint), shape_.data()); };
-        LimbRig rig;
-        rig.upperM = glm::length(rest(lower) - rest(upper));
-        rig.lowerM = glm::length(rest(end) - rest(lower));
-        if (!(rig.upperM > 1e-3) || !(rig.lowerM > 1e-3)) continue;
-        rig.upperDirection = (rest(lower) - rest(upper)) / rig.upperM;
-        const Vec3d lowerDirection = (rest(end) - rest(lower)) / rig.lowerM, hinge = priors_[lowerSlot].axes[0];
-        rig.hingeAxis = glm::normalize(hinge - glm::dot(hinge, rig.upperDirection) * rig.upperDirection);
-        rig.restBendRad = std::atan2(glm::dot(glm::cross(rig.upperDirection, lowerDirection), rig.hingeAxis),
-                                     glm::dot(rig.upperDirection, lowerDirection));
-        rig.shoulderAxes = priors_[upperSlot].axes;
-        rig.shoulderSigma = priors_[upperSlot].sigmaRad;
-        rig.maxBackward = limb.maxBackward;
-        rig.shoulderTail = priors_[upperSlot].tailSigmas;
-        rig.bendSigma = priors_[lowerSlot].sigmaRad[0];
-        rig.bendTail = priors_[lowerSlot].tailSigmas[0];
-        if (!shapeFromMoving_) {
-            rig.shoulderMean = glm::transpose(rig.shoulderAxes) *
-                               Vec3d(still_.pose[3 * upperSlot], still_.pose[3 * upperSlot + 1], still_.pose[3 * upperSlot + 2]);
-            rig.bendMean =
-                glm::dot(hinge, Vec3d(still_.pose[3 * lowerSlot], still_.pose[3 * lowerSlot + 1], still_.pose[3 * lowerSlot + 2]));
-        }
-        rig.shoulderLow = priors_[upperSlot].lowRad;
-        rig.shoulderHigh = priors_[upperSlot].highRad;
-        std::vector<LimbView> views;
-        std::vector<KeypointChain::Output> now(order.size());
-        for (size_t i = 0; i < order.size(); ++i) {
-            const size_t f = order[i];
-            const FrameState& s = frames_[f];
-            chain_.evaluate(s.rootReference, s.root, s.pose.data(), shape_.data(), false, now[i]);
-            views.push_back({scan_.frames[f].timeS, metricCamera(scan_.frames[f].camera, std::exp(logUnit_)), keypoints_[f][middleKeypoint],
-                             keypoints_[f][endKeypoint], now[i].places[size_t(upper)],
-                             now[i].rotations[size_t(body_.joints[size_t(upper)].parent)]});
-        }
-        const auto guesses = untangleLimb(rig, views);
-        for (size_t i = 0; i < order.size(); ++i) {
-            if (!guesses[i] || !mayChange(order[i])) continue;
-            const double moved = std::max(glm::length(guesses[i]->elbow - now[i].places[size_t(lower)]),
-                                          glm::length(guesses[i]->wrist - now[i].places[size_t(end)]));
-            if (moved < priors::kSameLimbM) continue;
-            std::vector<double>& pose = frames_[order[i]].pose;
-            const Vec3d bend = guesses[i]->bendRad * hinge;
-            for (int a = 0; a < 3; ++a)
-                pose[3 * upperSlot + size_t(a)] = guesses[i]->shoulder[a], pose[3 * lowerSlot + size_t(a)] = bend[a];
-        }
+void BodyFitter::untangleMoving(const std::vector<size_t>& order, const std::function<bool(size_t)>& mayChange) {
+    std::vector<LimbFrame> inTime;
+    for (const size_t f : order) {
+        FrameState& s = frames_[f];
+        inTime.push_back({scan_.frames[f].timeS, metricCamera(scan_.frames[f].camera, std::exp(logUnit_)), keypoints_[f], &s.rootReference,
+                          s.root, &s.pose, mayChange(f)});
     }
+    untangleLimbs({body_, chain_, priors_, scan_.keypointNames, shape_.data(), shapeFromMoving_ ? std::span<const double>() : still_.pose},
+                  inTime);
 }
 
 Status BodyFitter::fitMoving(double from, double to) {
@@ -172,7 +110,7 @@ Status BodyFitter::fitMoving(double from, double to) {
         DPL_CHECK_OK(together("moving frames: together, loose", true, 12));
         double last = std::numeric_limits<double>::infinity();
         for (int round = 0; round < kUntangleRounds; ++round) {
-            untangleLimbs(order, [](size_t) { return true; });
+            untangleMoving(order, [](size_t) { return true; });
             DPL_CHECK_OK(together("moving frames: limbs untangled", true, 50));
             DPL_CHECK_OK(together("moving frames: together", false, 50));
             const double cost = solves_.back().costAfter;
@@ -207,7 +145,7 @@ Status BodyFitter::fitHeldOutMoving(Split split, double from, double to) {
     for (int round = 0; round < 2; ++round) {
         context_.outlierSigmas = round == 0 ? kLooseOutliers : settings_.outlierSigmas;
         context_.footSigmaScale = round == 0 ? kLooseFootScale : 1;
-        if (round == 1) untangleLimbs(order, isPosed);
+        if (round == 1) untangleMoving(order, isPosed);
         ceres::Problem problem;
         for (size_t f : order)
             if (isPosed(f)) addFrame(problem, f);

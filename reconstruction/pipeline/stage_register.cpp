@@ -64,6 +64,7 @@ Status fit(const StageRun& run, const IngestedScan& ingested, const FittedBody& 
     // What the still frames show is too little for found keypoints (priors::kFoundKeypointSigma).
     input.keypointSigma = scan.keypointsFound || !(body.fit.keypointSigma > 0) ? keypointSigma(scan) : body.fit.keypointSigma;
     input.pictureWeight = scan.keypointsFound ? priors::kFoundPictureWeight : 1;
+    input.searchLimbs = scan.keypointsFound;
     input.stillPose = body.fit.staticPose;
     settings.progress = [&](double fraction, std::string_view what) {
         context.progress.update(fraction, what);
@@ -87,7 +88,7 @@ Result<RegisteredPoses> runRegister(const StageRun& run, const IngestedScan& ing
     const RegisterSettings settings;
     const nlohmann::json inputs = {
         {"training", ingested.trainingHash}, {"body_fit", body.key}, {"surface", surface.key}, {"settings", fieldsJson(settings)}};
-    DPL_TRY(const StageOutput stage, run.chain.run("register", 4, inputs, [&](StageContext& context) {
+    DPL_TRY(const StageOutput stage, run.chain.run("register", 5, inputs, [&](StageContext& context) {
         return fit(run, ingested, body, surface, pictures, settings, context);
     }));
     const std::filesystem::path path = stage.folder / "poses.json";

@@ -9,6 +9,7 @@
 
 #include "reconstruction/body/motion_terms.h"
 #include "reconstruction/priors.h"
+#include "sdk/math/projection.h"
 
 namespace dpl {
 namespace {
@@ -44,8 +45,10 @@ FramePoses::FramePoses(const RegisterInput& input)
     std::stable_sort(order_.begin(), order_.end(), [&](size_t a, size_t b) { return input.frames[a].timeS < input.frames[b].timeS; });
 }
 
-bool FramePoses::hasMoving(Split split) const {
-    return std::any_of(order_.begin(), order_.end(), [&](size_t f) { return input_.frames[f].split == split; });
+std::vector<size_t> FramePoses::movingInTime(Split split) const {
+    std::vector<size_t> frames;
+    std::copy_if(order_.begin(), order_.end(), std::back_inserter(frames), [&](size_t f) { return input_.frames[f].split == split; });
+    return frames;
 }
 
 std::vector<double> FramePoses::parametersOf(const Pose& pose) const {
@@ -68,13 +71,73 @@ Pose FramePoses::pose(size_t frame) const {
     return pose;
 }
 
+std::vector<std::vector<size_t>> FramePoses::doubtedRuns(size_t index, Split split) const {
+    std::vector<std::vector<size_t>> runs(1);
+    const auto limb = knownLimb(limbModel(), index);
+    if (!limb) return {};
+    KeypointChain::Output posed;
+    double lastS = 0;
+    for (const size_t f : order_) {
+        const RegisterFrame& frame = input_.frames[f];
+        if (frame.split != split) continue;
+        bool doubted = showsLimb(*limb, frame.keypoints);
+        if (doubted) {
+            const State& s = states_[f];
+            chain_.evaluate(s.reference, s.root, s.pose.data(), &noShape_, false, posed);
+            double most = 0;
+            for (const size_t k : {limb->middleKeypoint, limb->endKeypoint}) {
+                const Vec3d view = frame.camera.toView(posed.points[k]);
+                const Keypoint& keypoint = frame.keypoints[k];
+                if (view.z > kNearM)
+                    most = std::max(most, keypoint.confidence * glm::length(frame.camera.pixelOf(view) - keypoint.px) / sigmaPx(frame));
+            }
+            doubted = most > priors::kLimbDoubtSigmas;
+        }
+        if (!runs.back().empty() && (!doubted || frame.timeS - lastS > kMaxGapS)) runs.emplace_back();
+        if (doubted) runs.back().push_back(f);
+        lastS = frame.timeS;
+    }
+    if (runs.back().empty()) runs.pop_back();
+    return runs;
+}
+
+LimbFrame FramePoses::limbFrame(size_t f) {
+    const RegisterFrame& frame = input_.frames[f];
+    State& s = states_[f];
+    return {frame.timeS, frame.camera, frame.keypoints, &s.reference, s.root, &s.pose};
+}
+
+void FramePoses::bendLimb(size_t index, std::span<const size_t> frames, size_t candidate) {
+    const auto limb = knownLimb(limbModel(), index);
+    for (const size_t f : frames) {
+        const LimbFrame frame = limbFrame(f);
+        setLimb(*limb, limbCandidates(limbModel(), *limb, frame)[candidate], *frame.pose);
+    }
+}
+
+std::vector<double> FramePoses::parameters() const {
+    std::vector<double> values;
+    for (const State& s : states_) {
+        values.insert(values.end(), s.root, s.root + kRootSize);
+        values.insert(values.end(), s.pose.begin(), s.pose.end());
+    }
+    return values;
+}
+
+void FramePoses::setParameters(std::span<const double> values) {
+    for (State& s : states_) {
+        std::copy_n(values.begin(), kRootSize, s.root);
+        std::copy_n(values.begin() + kRootSize, s.pose.size(), s.pose.begin());
+        values = values.subspan(kRootSize + s.pose.size());
+    }
+}
+
 void FramePoses::addKeypoints(ceres::Problem& problem, size_t f) {
     const RegisterFrame& frame = input_.frames[f];
     State& s = states_[f];
     if (std::none_of(frame.keypoints.begin(), frame.keypoints.end(), [](const Keypoint& k) { return k.confidence > 0; })) return;
-    const double sigmaPx = input_.keypointSigma * std::hypot(double(frame.camera.widthPx), double(frame.camera.heightPx));
     const std::vector<Keypoint> keypoints(frame.keypoints.begin(), frame.keypoints.end());
-    problem.AddResidualBlock(new ReprojectionCost(context_, frame.camera, s.reference, keypoints, sigmaPx, false), nullptr,
+    problem.AddResidualBlock(new ReprojectionCost(context_, frame.camera, s.reference, keypoints, sigmaPx(frame), false), nullptr,
                              std::vector<double*>{&noShape_, &logUnit_, s.root, s.pose.data()});
 }
 
@@ -124,6 +187,13 @@ void FramePoses::addTerms(ceres::Problem& problem, Split split) {
         if (problem.HasParameterBlock(constant)) problem.SetParameterBlockConstant(constant);
     for (const size_t f : order)
         if (!free(f))
+            for (double* block : {states_[f].root, states_[f].pose.data()})
+                if (problem.HasParameterBlock(block)) problem.SetParameterBlockConstant(block);
+}
+
+void FramePoses::holdAllBut(ceres::Problem& problem, std::span<const size_t> frames) {
+    for (size_t f = 0; f < states_.size(); ++f)
+        if (std::find(frames.begin(), frames.end(), f) == frames.end())
             for (double* block : {states_[f].root, states_[f].pose.data()})
                 if (problem.HasParameterBlock(block)) problem.SetParameterBlockConstant(block);
 }

@@ -6,7 +6,10 @@
 
 #include <ceres/problem.h>
 
+#include <cmath>
+
 #include "reconstruction/body/fit_costs.h"
+#include "reconstruction/body/limb_depths.h"
 #include "reconstruction/registration/register_frames.h"
 
 namespace dpl {
@@ -19,14 +22,25 @@ public:
 
     /** Moving frames in time, as indices of RegisterInput::frames. */
     const std::vector<size_t>& order() const { return order_; }
-    bool hasMoving(Split split) const;
+    bool hasMoving(Split split) const { return !movingInTime(split).empty(); }
+    /** Those of a split. */
+    std::vector<size_t> movingInTime(Split split) const;
     const KeypointChain& chain() const { return chain_; }
     const Mat3d& reference(size_t frame) const { return states_[frame].reference; }
     Pose pose(size_t frame) const;
+    /** Runs of neighbouring moving frames of a split whose keypoints of a limb lie more than kLimbDoubtSigmas from the current pose. */
+    std::vector<std::vector<size_t>> doubtedRuns(size_t limb, Split split) const;
+    /** Sets a limb of frames that doubtedRuns() gave to candidate 0 … 3 of its keypoints (fit_limbs.h). */
+    void bendLimb(size_t limb, std::span<const size_t> frames, size_t candidate);
+    /** Parameters of all frames. */
+    std::vector<double> parameters() const;
+    void setParameters(std::span<const double> values);
 
     /** The terms of the moving frames of a split, and for Split::Train of still frames with a picture. Frames of earlier splits are
      * constant neighbours; those of later splits do not take part. */
     void addTerms(ceres::Problem& problem, Split split);
+    /** Holds all moving frames but these. */
+    void holdAllBut(ceres::Problem& problem, std::span<const size_t> frames);
     /** Adds a cost of blocks root, pose. The problem owns it. */
     void addPicture(ceres::Problem& problem, size_t frame, ceres::CostFunction* cost);
     /** Precision of a frame's pose, by the Gauss–Newton matrix of its own residuals in `problem`. Without any there: of
@@ -40,7 +54,12 @@ private:
         double root[kRootSize] = {};
         std::vector<double> pose;
     };
+    double sigmaPx(const RegisterFrame& frame) const {
+        return input_.keypointSigma * std::hypot(double(frame.camera.widthPx), double(frame.camera.heightPx));
+    }
     std::vector<double> parametersOf(const Pose& pose) const;
+    LimbModel limbModel() const { return {body_, chain_, priors_, input_.keypointNames, &noShape_, stillPose_}; }
+    LimbFrame limbFrame(size_t frame);
     void addKeypoints(ceres::Problem& problem, size_t frame);
     void addSway(ceres::Problem& problem, size_t frame);
     void addStandingPriors(ceres::Problem& problem, size_t frame);

@@ -90,7 +90,7 @@ inline FramePicture pictureOf(const std::vector<JointData>& joints, const MeshDa
 
 /** Twelve still pictures and `movingFrames` of a raised arm and leg, with noisy keypoints and wrong start poses. */
 struct PaintedScene {
-    explicit PaintedScene(int movingFrames, bool moves = true, uint32_t seed = 7) {
+    explicit PaintedScene(int movingFrames, bool moves = true, uint32_t seed = 7, double phasePerFrame = 0.3) {
         std::mt19937 random(seed);
         std::normal_distribution<double> normal;
         body.morphs.clear();
@@ -106,7 +106,7 @@ struct PaintedScene {
         keypoints.resize(size_t(total));
         for (int i = 0; i < total; ++i) {
             const bool isStill = i < 12;
-            const double phase = moves ? 0.3 * (i - 12) : 1.0, azimuth = isStill ? 0.5236 * i : 0.1 * (i - 12);
+            const double phase = moves ? phasePerFrame * (i - 12) : 1.0, azimuth = isStill ? 0.5236 * i : 0.1 * (i - 12);
             Pose pose = still;
             if (!isStill) {
                 turn(pose, "leftUpperArm", {0, 0, 0.7 * (1 - std::cos(phase))});

@@ -115,6 +115,45 @@ TEST(RegisterFrames, heldOutFramesReachNoOther) {
     EXPECT_NE(a->poses[15].rootTranslation, b->poses[15].rootTranslation) << "the change was read";
 }
 
+/** A thigh that swings forwards starts as one that swings backwards: from the front both look much alike. Least squares stay there. */
+TEST(RegisterFrames, searchFindsTheOtherDepthOfALimb) {
+    PaintedScene scene(4, true, 7, 0.8);
+    const size_t hip = size_t(findHumanoid(scene.body, "rightUpperLeg"));
+    for (RegisterFrame& frame : scene.frames)
+        if (frame.kind == FrameKind::Dynamic) frame.pose.localRotations[hip] = glm::conjugate(frame.pose.localRotations[hip]);
+    RegisterSettings quick;
+    quick.blursPx = {2, 1};
+    const auto registered = [&](bool search) {
+        RegisterInput input = scene.input();
+        input.searchLimbs = search;
+        return registerFrames(input, quick, scene.jobs);
+    };
+    const auto without = registered(false), with = registered(true);
+    ASSERT_TRUE(without && with);
+    /** Mean over moving frames of the distance of the foot. */
+    const auto footMm = [&](const std::vector<Pose>& poses) {
+        const size_t foot = size_t(std::find(scene.names.begin(), scene.names.end(), "ankle_r") - scene.names.begin());
+        double sum = 0, count = 0;
+        for (size_t f = 0; f < poses.size(); ++f)
+            if (scene.frames[f].kind == FrameKind::Dynamic)
+                sum += 1000 * glm::length(posedKeypoints(scene.body, poses[f], scene.names)[foot].place -
+                                          posedKeypoints(scene.body, scene.truth[f], scene.names)[foot].place),
+                    ++count;
+        return sum / count;
+    };
+    const double stays = footMm(without->poses), found = footMm(with->poses);
+    std::printf("mean error of the foot: start %.1f mm, without search %.1f mm, with it %.1f mm\n", footMm(scene.starts()), stays, found);
+    EXPECT_GT(stays, 30) << "the case is not hard";
+    EXPECT_LT(found, 12);
+    RegisterInput input = scene.input();
+    input.searchLimbs = true;
+    RegisterSettings stopping = quick;
+    stopping.progress = [](double, std::string_view what) { return what != "limbs at other depths"; };
+    const auto stopped = registerFrames(input, stopping, scene.jobs);
+    ASSERT_FALSE(stopped);
+    EXPECT_EQ(stopped.error().code, Code::Cancelled);
+}
+
 TEST(RegisterFrames, hardCases) {
     RegisterSettings quick;
     quick.blursPx = {2}, quick.roundsPerBlur = 2;
