@@ -30,9 +30,11 @@ std::span<const size_t> windowOf(std::span<const size_t> inTime, const std::vect
     return inTime.subspan(first, end - first);
 }
 
-Result<SolveEnd> solveWindow(FramePoses& poses, Split split, PictureRounds& pictures, std::span<const size_t> window) {
+Result<SolveEnd> solveWindow(FramePoses& poses, Split split, PictureRounds& pictures, std::span<const size_t> window,
+                             const std::function<Status()>& goOn) {
     SolveEnd end;
     for (int round = 0; round < kRounds; ++round) {
+        DPL_CHECK_OK(goOn());
         pictures.look(poses, window);
         ceres::Problem problem;
         poses.addTerms(problem, split);
@@ -52,7 +54,7 @@ Result<std::vector<SolveEnd>> searchLimbs(FramePoses& poses, Split split, Pictur
     for (size_t limb = 0; limb < kLimbCount; ++limb) {
         const std::vector<std::vector<size_t>> runs = poses.doubtedRuns(limb, split);
         for (size_t r = 0; r < runs.size(); ++r) {
-            DPL_CHECK_OK(progress((double(limb) + double(r) / double(runs.size())) / kLimbCount));
+            const auto goOn = [&] { return progress((double(limb) + double(r) / double(runs.size())) / kLimbCount); };
             const std::span<const size_t> window = windowOf(inTime, runs[r]);
             const std::vector<double> start = poses.parameters();
             std::vector<double> best = start;
@@ -61,7 +63,7 @@ Result<std::vector<SolveEnd>> searchLimbs(FramePoses& poses, Split split, Pictur
             for (size_t candidate = 0; candidate < kCandidates; ++candidate) {
                 poses.setParameters(start);
                 poses.bendLimb(limb, runs[r], candidate);
-                DPL_TRY(SolveEnd end, solveWindow(poses, split, pictures, window));
+                DPL_TRY(SolveEnd end, solveWindow(poses, split, pictures, window, goOn));
                 const double cost = costOf(poses, split, pictures, window);
                 if (cost < least) least = cost, best = poses.parameters(), kept = std::move(end);
             }

@@ -95,6 +95,7 @@ void PictureRounds::addTerms(ceres::Problem& problem, FramePoses& poses, std::sp
 
 double PictureRounds::misfit(const FramePoses& poses, std::span<const size_t> frames) {
     const std::vector<size_t> which = withPicture(frames);
+    if (which.empty()) return 0;
     if (ofTriangle_.empty()) findTriangleContrast();
     const std::vector<DrawnMesh> drawn = draw(poses, which);
     std::vector<double> costs(which.size());

@@ -147,6 +147,13 @@ TEST(RegisterFrames, searchFindsTheOtherDepthOfALimb) {
     EXPECT_LT(found, 12);
     RegisterInput input = scene.input();
     input.searchLimbs = true;
+    for (RegisterFrame& frame : input.frames) frame.picture = nullptr;
+    input.frames.back().split = Split::Test;
+    const auto keypointsAlone = registerFrames(input, quick, scene.jobs);
+    ASSERT_TRUE(keypointsAlone) << keypointsAlone.error().message;
+    EXPECT_TRUE(std::all_of(keypointsAlone->poses.begin(), keypointsAlone->poses.end(), finite));
+    input = scene.input();
+    input.searchLimbs = true;
     RegisterSettings stopping = quick;
     stopping.progress = [](double, std::string_view what) { return what != "limbs at other depths"; };
     const auto stopped = registerFrames(input, stopping, scene.jobs);
