@@ -88,7 +88,7 @@ Result<RegisteredPoses> runRegister(const StageRun& run, const IngestedScan& ing
     const RegisterSettings settings;
     const nlohmann::json inputs = {
         {"training", ingested.trainingHash}, {"body_fit", body.key}, {"surface", surface.key}, {"settings", fieldsJson(settings)}};
-    DPL_TRY(const StageOutput stage, run.chain.run("register", 5, inputs, [&](StageContext& context) {
+    DPL_TRY(const StageOutput stage, run.chain.run("register", 6, inputs, [&](StageContext& context) {
         return fit(run, ingested, body, surface, pictures, settings, context);
     }));
     const std::filesystem::path path = stage.folder / "poses.json";

@@ -75,8 +75,11 @@ Result<Registration> registerFrames(const RegisterInput& given, const RegisterSe
     result.precisions.resize(input.frames.size());
     /** Of the frames of a split, after their last solve. */
     const auto keepPrecisions = [&](ceres::Problem& problem, Split split) {
-        for (size_t f = 0; f < input.frames.size(); ++f)
-            if (input.frames[f].split == split) result.precisions[f] = poses.precision(problem, f);
+        for (size_t f = 0; f < input.frames.size(); ++f) {
+            if (input.frames[f].split != split) continue;
+            result.precisions[f] = poses.precision(problem, f);
+            for (double& value : result.precisions[f].matrix) value /= input.pictureWeight;
+        }
     };
     const auto tell = [&](double fraction, std::string_view what) -> Status {
         if (settings.progress && !settings.progress(fraction, what)) return fail(Code::Cancelled, "registration was cancelled");

@@ -54,7 +54,7 @@ struct RegisterSettings {
 
 struct Registration {
     std::vector<Pose> poses;                // one per frame; a still frame without picture keeps its start
-    std::vector<PosePrecision> precisions;  // of `poses`; a still frame without picture: of its sway
+    std::vector<PosePrecision> precisions;  // of `poses`, where pictures count once; a still frame without picture: of its sway
     std::vector<SolveEnd> solves;
 };
 

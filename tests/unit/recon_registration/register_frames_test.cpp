@@ -84,6 +84,11 @@ TEST(RegisterFrames, precisionsSayHowWellPosesAreKnown) {
     EXPECT_NEAR(a->precisions[2].matrix[at * n + at] * priors::kSwayM * priors::kSwayM, 1, 1e-9) << "not solved: the sway's prior";
     EXPECT_NEAR(a->precisions[2].matrix[0] * priors::kSwayTurnRad * priors::kSwayTurnRad, 1, 0.01);
     EXPECT_GT(a->precisions[3].matrix[at * n + at], 1.5 / (priors::kSwayM * priors::kSwayM)) << "its picture tells more";
+    RegisterInput weighed = scene.input();
+    weighed.pictureWeight = 3;
+    const auto third = registerFrames(weighed, quick, scene.jobs);
+    ASSERT_TRUE(third) << third.error().message;
+    EXPECT_NEAR(third->precisions[2].matrix[at * n + at] * priors::kSwayM * priors::kSwayM, 1.0 / 3, 1e-9) << "pictures count once";
     // Without keypoints less is known.
     for (Keypoint& k : scene.keypoints[3]) k.confidence = 0;
     const auto b = scene.registered(quick);
