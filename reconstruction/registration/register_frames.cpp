@@ -90,6 +90,7 @@ Result<Registration> registerFrames(const RegisterInput& given, const RegisterSe
     const size_t rounds = shown.empty() ? 1 : settings.blursPx.size() * size_t(settings.roundsPerBlur);
     // At a fine blur a picture tells a limb's depth; the last level then settles what was found.
     const size_t searchLevel = std::max<size_t>(2, settings.blursPx.size()) - 2;
+    const double searchRounds = input.searchLimbs ? double(rounds) : 0;  // the search takes about as long as all rounds
     const auto search = [&](Split split, double from, double to) -> Status {
         if (!input.searchLimbs) return {};
         DPL_TRY(const std::vector<SolveEnd> changed, searchLimbs(poses, split, pictures, [&](double share) {
@@ -99,10 +100,13 @@ Result<Registration> registerFrames(const RegisterInput& given, const RegisterSe
         return {};
     };
     size_t done = 0;
+    double searched = 0;  // rounds
+    /** Progress after this many rounds and the search so far. */
+    const auto fraction = [&](double roundsDone) { return 0.9 * (roundsDone + searched) / (double(rounds) + searchRounds); };
     for (size_t level = 0; level < settings.blursPx.size() && !shown.empty(); ++level) {
         const double blurPx = settings.blursPx[level];
         for (int round = 0; round < settings.roundsPerBlur; ++round) {
-            DPL_CHECK_OK(tell(0.9 * double(done++) / double(rounds), formatText("pictures at a blur of {} px", blurPx)));
+            DPL_CHECK_OK(tell(fraction(double(done++)), formatText("pictures at a blur of {} px", blurPx)));
             pictures.start(poses, blurPx);
             ceres::Problem problem;
             poses.addTerms(problem, Split::Train);
@@ -112,8 +116,8 @@ Result<Registration> registerFrames(const RegisterInput& given, const RegisterSe
             if (done == rounds) keepPrecisions(problem, Split::Train);
         }
         if (level != searchLevel) continue;
-        const double from = 0.9 * double(done) / double(rounds), to = 0.9 * double(done + 1) / double(rounds);
-        DPL_CHECK_OK(search(Split::Train, from, to));
+        DPL_CHECK_OK(search(Split::Train, fraction(double(done)), fraction(double(done) + searchRounds)));
+        searched = searchRounds;
     }
     if (shown.empty()) {
         ceres::Problem problem;

@@ -150,18 +150,38 @@ TEST(RegisterFrames, searchFindsTheOtherDepthOfALimb) {
     std::printf("mean error of the foot: start %.1f mm, without search %.1f mm, with it %.1f mm\n", footMm(scene.starts()), stays, found);
     EXPECT_GT(stays, 30) << "the case is not hard";
     EXPECT_LT(found, 12);
+}
+
+TEST(RegisterFrames, searchNeedsNoPicture) {
+    PaintedScene scene(4, true, 7, 0.8);
     RegisterInput input = scene.input();
     input.searchLimbs = true;
     for (RegisterFrame& frame : input.frames) frame.picture = nullptr;
+    for (Keypoint& k : scene.keypoints.back()) k.px += Vec2d(8, 0);  // doubted
     input.frames.back().split = Split::Test;
-    const auto keypointsAlone = registerFrames(input, quick, scene.jobs);
-    ASSERT_TRUE(keypointsAlone) << keypointsAlone.error().message;
-    EXPECT_TRUE(std::all_of(keypointsAlone->poses.begin(), keypointsAlone->poses.end(), finite));
-    input = scene.input();
+    const auto result = registerFrames(input, {}, scene.jobs);
+    ASSERT_TRUE(result) << result.error().message;
+    EXPECT_TRUE(std::all_of(result->poses.begin(), result->poses.end(), finite));
+}
+
+TEST(RegisterFrames, searchTellsItsProgressAndCanBeStopped) {
+    PaintedScene scene(4, true, 7, 0.8);
+    RegisterInput input = scene.input();
     input.searchLimbs = true;
-    RegisterSettings stopping = quick;
-    stopping.progress = [](double, std::string_view what) { return what != "limbs at other depths"; };
-    const auto stopped = registerFrames(input, stopping, scene.jobs);
+    RegisterSettings settings;
+    settings.blursPx = {4, 2, 1}, settings.roundsPerBlur = 1;
+    double last = 0;
+    int searching = 0;
+    settings.progress = [&](double fraction, std::string_view what) {
+        EXPECT_GE(fraction, last) << what;
+        last = fraction, searching += what == "limbs at other depths";
+        return true;
+    };
+    ASSERT_TRUE(registerFrames(input, settings, scene.jobs));
+    EXPECT_GT(searching, 0);
+    EXPECT_LE(last, 1);
+    settings.progress = [](double, std::string_view what) { return what != "limbs at other depths"; };
+    const auto stopped = registerFrames(input, settings, scene.jobs);
     ASSERT_FALSE(stopped);
     EXPECT_EQ(stopped.error().code, Code::Cancelled);
 }
