@@ -20,11 +20,9 @@ public:
     explicit FramePoses(const RegisterInput& input);
     FramePoses(const FramePoses&) = delete;
 
-    /** Moving frames in time, as indices of RegisterInput::frames. */
-    const std::vector<size_t>& order() const { return order_; }
-    bool hasMoving(Split split) const { return !movingInTime(split).empty(); }
-    /** Those of a split. */
+    /** Moving frames of a split in time, as indices of RegisterInput::frames. */
     std::vector<size_t> movingInTime(Split split) const;
+    bool hasMoving(Split split) const { return !movingInTime(split).empty(); }
     const KeypointChain& chain() const { return chain_; }
     const Mat3d& reference(size_t frame) const { return states_[frame].reference; }
     Pose pose(size_t frame) const;
@@ -73,7 +71,7 @@ private:
     Mat3d still_{1};
     double noShape_ = 0, logUnit_ = 0;
     std::vector<State> states_;  // of RegisterInput::frames
-    std::vector<size_t> order_;
+    std::vector<size_t> order_;  // all moving frames in time
 };
 
 }  // namespace dpl

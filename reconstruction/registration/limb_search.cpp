@@ -25,7 +25,7 @@ double costOf(FramePoses& poses, Split split, PictureRounds& pictures, std::span
 /** The run and its neighbours in time. */
 std::span<const size_t> windowOf(std::span<const size_t> inTime, const std::vector<size_t>& run) {
     const auto at = [&](size_t frame) { return size_t(std::find(inTime.begin(), inTime.end(), frame) - inTime.begin()); };
-    const size_t first = at(run.front()) - std::min(at(run.front()), kNeighbours),
+    const size_t runStart = at(run.front()), first = runStart - std::min(runStart, kNeighbours),
                  end = std::min(inTime.size(), at(run.back()) + kNeighbours + 1);
     return inTime.subspan(first, end - first);
 }
@@ -68,7 +68,6 @@ Result<std::vector<SolveEnd>> searchLimbs(FramePoses& poses, Split split, Pictur
                 if (cost < least) least = cost, best = poses.parameters(), kept = std::move(end);
             }
             poses.setParameters(best);
-            pictures.look(poses, window);
             if (kept) solves.push_back(std::move(*kept));
         }
     }

@@ -37,8 +37,8 @@ struct RegisterInput {
     std::span<const std::string> keypointNames;
     std::span<const LandmarkOffset> landmarks;  // one per name, or empty
     double keypointSigma = 0;                   // of a coordinate at full confidence, fraction of the image diagonal
-    double pictureWeight = 1;                   // of pictures beside keypoints (priors::kFoundPictureWeight)
-    bool searchLimbs = false;                   // try other depths of limbs whose keypoints fit badly: for found keypoints, takes a minute
+    double pictureWeight = 1;                   // > 0; of pictures beside keypoints (priors::kFoundPictureWeight)
+    bool searchLimbs = false;                   // try other depths of limbs whose keypoints fit badly: for found keypoints
     Pose stillPose;                             // mean of the pose priors
     std::vector<RegisterFrame> frames;          // still and moving, of one scan
 };
