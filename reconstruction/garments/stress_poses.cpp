@@ -42,6 +42,7 @@ const std::vector<Stress> kStress = {
     {{thigh(-15), arm(10, 12)}, {thigh(20), arm(-10, 12)}, {}},
     {{thigh(0, 25), arm(0, 90)}, {thigh(0, 25), arm(0, 90)}, {}},      // a wide stance, arms level
     {{thigh(30), arm(30, 15)}, {thigh(30), arm(30, 15)}, {25, 0, 0}},  // a bow
+    {{arm(5, 3)}, {arm(5, 3)}, {}},                                    // arms that hang
     {{arm(80, 10)}, {arm(0, 12)}, {0, -20, 0}},                        // one hand forwards
     {{arm(0, 12)}, {arm(80, 10)}, {0, 20, 0}},
 };
