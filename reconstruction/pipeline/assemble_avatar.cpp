@@ -3,7 +3,11 @@
 
 #include <algorithm>
 
+#include "reconstruction/garments/stress_poses.h"
+#include "reconstruction/garments/tuck_body.h"
 #include "reconstruction/package/sh_palette.h"
+#include "reconstruction/splat/init.h"
+#include "sdk/core/evenly_spaced.h"
 #include "sdk/core/log.h"
 
 namespace dpl {
@@ -40,6 +44,21 @@ std::vector<ClipData> scanMotion(const Scan& scan, const std::vector<size_t>& tr
     return {clip};
 }
 
+constexpr size_t kTuckedPoses = 64;  // of training, at most
+
+/** Clothes that sink into unseen skin in stress poses or in those of training stay outside it. */
+void tuckUnseenBody(AssembledAvatar& assembled, Jobs& jobs) {
+    AvatarData& avatar = assembled.avatar;
+    std::vector<Pose> poses = stressPoses(avatar.joints), moving;
+    for (const TrainFrame& frame : assembled.frames)
+        if (frame.kind == FrameKind::Dynamic) moving.push_back(frame.pose);
+    const std::vector<Pose> some = evenlySpaced(moving, kTuckedPoses);
+    poses.insert(poses.end(), some.begin(), some.end());
+    const TriangleSight sight = triangleSight(avatar.joints, avatar.mesh, assembled.triangleLabel, assembled.frames, jobs);
+    const size_t moved = tuckBody(avatar, sight.seen, poses, jobs);
+    log(LogLevel::Info, "{} vertices of unseen skin are taken in below clothes", moved);
+}
+
 // A colour error of 0.5 of 255 levels is 54 dB. 4,096 entries of degree 1 cost 0.5 bytes a splat at 80,000 splats.
 constexpr uint32_t kShPaletteEntries = 4096;
 constexpr double kShPaletteLevels = 0.5;
@@ -47,10 +66,11 @@ constexpr double kShPaletteLevels = 0.5;
 }  // namespace
 
 nlohmann::json assembleInputs() {
-    return {{"shPaletteEntries", kShPaletteEntries}, {"shPaletteLevels", kShPaletteLevels}};
+    return {
+        {"shPaletteEntries", kShPaletteEntries}, {"shPaletteLevels", kShPaletteLevels}, {"tuckedPoses", kTuckedPoses}, {"tuckM", kTuckM}};
 }
 
-Result<AssembledAvatar> assembleAvatar(const std::vector<JointData>& joints, const MeshData& mesh, const CoOptimiseResult& trained,
+Result<AssembledAvatar> assembleAvatar(const std::vector<JointData>& joints, const ClothedMesh& clothed, const CoOptimiseResult& trained,
                                        const Scan& scan, FrameSet set, Jobs& jobs) {
     AssembledAvatar out;
     out.frames = std::move(set.frames);
@@ -65,13 +85,15 @@ Result<AssembledAvatar> assembleAvatar(const std::vector<JointData>& joints, con
     avatar.joints = joints;
     avatar.kappaPx2 = kTrainedKappaPx2;
     avatar.trainedPixelM = trainedPixelM(avatar.joints, out.frames);
-    avatar.mesh = mesh;
+    avatar.mesh = clothed.mesh;
+    out.triangleLabel = clothed.triangleLabel;
     avatar.mesh.restPositions = trained.restPositions;
     avatar.mesh.colours = gatherVertexColours(avatar.joints, avatar.mesh, out.frames, jobs);
     avatar.splats = trained.splats;
     avatar.correctives = trained.correctives;
     avatar.clips = scanMotion(scan, set.indices, trained.poses);
     sortSplats(avatar);
+    tuckUnseenBody(out, jobs);
 
     const std::vector<Vec3f> trainedRest = avatar.mesh.restPositions;
     DPL_TRY(AvatarData decoded, decodedAvatar(avatar));

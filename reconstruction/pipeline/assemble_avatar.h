@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "reconstruction/body/body_model.h"
+#include "reconstruction/garments/clothed_mesh.h"
 #include "reconstruction/pipeline/train_frames.h"
 #include "reconstruction/splat/co_optimise.h"
 #include "sdk/format/avatar_file.h"
@@ -15,13 +16,14 @@ namespace dpl {
 inline constexpr WriteOptions kPackaged{.shPalette = true, .compact = true};
 
 struct AssembledAvatar {
-    AvatarData avatar;               // decoded; its splats are bound to the decoded vertices
-    std::vector<TrainFrame> frames;  // training frames with trained poses
+    AvatarData avatar;                   // decoded; its splats are bound to the decoded vertices
+    std::vector<TrainFrame> frames;      // training frames with trained poses
+    std::vector<uint8_t> triangleLabel;  // of the avatar's triangles, as in ClothedMesh
 };
 
 /** The trained avatar after one encoding and decoding, with its splats re-based onto the decoded mesh and its SH as a palette (write it
- *  with kPackaged). It has no evidence rows. `mesh` holds the layers before training, `set` the training frames. */
-Result<AssembledAvatar> assembleAvatar(const std::vector<JointData>& joints, const MeshData& mesh, const CoOptimiseResult& trained,
+ *  with kPackaged). It has no evidence rows. `clothed` holds the layers before training, `set` the training frames. */
+Result<AssembledAvatar> assembleAvatar(const std::vector<JointData>& joints, const ClothedMesh& clothed, const CoOptimiseResult& trained,
                                        const Scan& scan, FrameSet set, Jobs& jobs);
 
 /** The constants that assembleAvatar() depends on besides its arguments, as part of a stage's key. */

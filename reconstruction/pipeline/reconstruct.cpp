@@ -66,7 +66,7 @@ Result<ReconstructResult> reconstructFrom(const StageRun& run, const IngestedSca
     Lazy<AssembledAvatar> trained([&]() -> Result<AssembledAvatar> {
         DPL_TRY(FrameSet set, framesOf(ingested, Split::Train, body.cameras, registered.poses, pictures));
         setPrecisions(set, registered.precisions);
-        return assembleAvatar(body.shaped.joints, dressed.clothed.mesh, training.result, ingested.scan, std::move(set), run.jobs);
+        return assembleAvatar(body.shaped.joints, dressed.clothed, training.result, ingested.scan, std::move(set), run.jobs);
     });
     DPL_TRY(const MeasuredParts measured, runEvidence(run, ingested, body, registered, training, trained, pictures, settings));
     DPL_TRY(const Package package, runPackage(run, ingested, training, trained, measured, dressed.decided, mapped, settings));

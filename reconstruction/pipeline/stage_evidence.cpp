@@ -92,7 +92,8 @@ public:
             context_.progress.update(from + 0.5 * (to - from) * p.step / std::max(1u, p.steps),
                                      formatText("training on, step {} of {}", p.step, p.steps));
         };
-        DPL_TRY(avatar, retrain(std::move(avatar), assembled_.frames, training, jobs_, report, &context_.progress.cancelFlag()));
+        DPL_TRY(avatar, retrain(std::move(avatar), assembled_.triangleLabel, assembled_.frames, training, jobs_, report,
+                                &context_.progress.cancelFlag()));
         DPL_TRY(const auto bytes, writeAvatar(avatar, {}));
         DPL_TRY(const AvatarData decoded, readAvatar(bytes));
         DPL_TRY(auto view, AvatarView::open(bytes, jobs_.threadCount()));
@@ -204,7 +205,7 @@ Result<MeasuredParts> runEvidence(const StageRun& run, const IngestedScan& inges
                                    {"validation", juryInputs(ingested)},
                                    {"poseFit", fieldsJson(settings.poseFit)},
                                    {"framesOfAKind", kFramesOfAKind}};
-    DPL_TRY(const StageOutput stage, run.chain.run("evidence", 9, inputs, [&](StageContext& context) -> Status {
+    DPL_TRY(const StageOutput stage, run.chain.run("evidence", 10, inputs, [&](StageContext& context) -> Status {
         DPL_TRY(const AssembledAvatar* assembled, trained.get());
         DPL_TRY(const Jury jury, chooseJury(ingested, body, registered, training, *assembled, pictures));
         return weigh(*assembled, jury, settings, run.jobs, context);

@@ -21,8 +21,8 @@ Status package(const AssembledAvatar& assembled, const std::vector<PartEvidence>
     const auto report = [&](const CoOptimiseProgress& p) {
         context.progress.update(0.1 + 0.85 * p.step / std::max(1u, p.steps), formatText("polish step {} of {}", p.step, p.steps));
     };
-    DPL_TRY(avatar, polish(std::move(avatar), assembled.frames, settings.polishSteps, settings.training.seed, jobs, report,
-                           &context.progress.cancelFlag()));
+    DPL_TRY(avatar, polish(std::move(avatar), assembled.triangleLabel, assembled.frames, settings.polishSteps, settings.training.seed, jobs,
+                           report, &context.progress.cancelFlag()));
     avatar.captureMap = capture;
     DPL_TRY(auto bytes, writeAvatar(avatar, kPackaged));
     return writeFileAtomically(context.folder / "avatar.glb", bytes);
@@ -38,7 +38,7 @@ Result<Package> runPackage(const StageRun& run, const IngestedScan& ingested, co
     const nlohmann::json inputs = {{"trained", training.key}, {"assemble", assembleInputs()},     {"name", ingested.scan.name},
                                    {"parts", measured.key},   {"polish", polishInputs(settings)}, {"decided", rows},
                                    {"map", mapped.key}};
-    DPL_TRY(const StageOutput stage, run.chain.run("package", 5, inputs, [&](StageContext& context) -> Status {
+    DPL_TRY(const StageOutput stage, run.chain.run("package", 6, inputs, [&](StageContext& context) -> Status {
         context.progress.update(0, "encoding");
         DPL_TRY(const AssembledAvatar* assembled, trained.get());
         return package(*assembled, measured.parts, decided, mapped.capture, settings, run.jobs, context);

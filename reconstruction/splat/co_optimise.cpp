@@ -88,11 +88,12 @@ Result<std::unique_ptr<CoOptimiser>> CoOptimiser::create(CoOptimiseInput input, 
     auto state = std::make_unique<State>(std::move(input), settings, jobs);
     DPL_CHECK_OK(state->prepare());
     State& s = *state;
-    const TriangleSight sight = triangleSight(s.input.joints, s.mesh, s.input.triangleLabel, s.input.frames, jobs);
+    TriangleSight sight = triangleSight(s.input.joints, s.mesh, s.input.triangleLabel, s.input.frames, jobs);
     const std::vector<uint8_t> flags = triangleFlags(s.mesh.restPositions, s.mesh.triangles, s.input.triangleLabel, s.settings.init);
     TrainableSplats first =
         initialSplats(s.input.joints, s.mesh, s.input.triangleLabel, flags, sight, s.input.frames, s.settings.init, s.settings.seed, jobs);
     holdBareVertices(s.mesh, first, s.learned.layer.correctives);
+    s.seenTriangle = std::move(sight.seen);
     s.start(std::move(first));
     return std::unique_ptr<CoOptimiser>(new CoOptimiser(std::move(state)));
 }
@@ -107,9 +108,10 @@ Result<std::unique_ptr<CoOptimiser>> CoOptimiser::createFrom(CoOptimiseInput inp
         splats.scaleM.size() != n || splats.opacity.size() != n || splats.flags.size() != n ||
         splats.sh.size() != n * shCoefficientCount(splats.shDegree) * 3)
         return fail(Code::InvalidArgument, "the splats do not fit the mesh of {} triangles", s.mesh.triangles.size());
-    TrainableSplats first = TrainableSplats::fromSplatData(
-        splats, triangleSight(s.input.joints, s.mesh, s.input.triangleLabel, s.input.frames, jobs).sizeFloorM);
+    TriangleSight sight = triangleSight(s.input.joints, s.mesh, s.input.triangleLabel, s.input.frames, jobs);
+    TrainableSplats first = TrainableSplats::fromSplatData(splats, sight.sizeFloorM);
     first.activateAll(jobs);
+    s.seenTriangle = std::move(sight.seen);
     s.start(std::move(first));
     return std::unique_ptr<CoOptimiser>(new CoOptimiser(std::move(state)));
 }
@@ -253,9 +255,10 @@ void CoOptimiser::State::updateSplats(uint32_t frame) {
     if (input.frames[frame].kind == FrameKind::StaticCloseup)
         for (float& r : rate) r *= settings.closeupStepScale;
     const auto rows = b.rowGradients();
-    const auto active = b.active();
     const auto length = b.screenGradientLength();
+    std::vector<uint8_t> active(b.active().begin(), b.active().end());
     jobs.forRange(splats.count(), 2048, [&](size_t begin, size_t end, uint32_t) {
+        for (size_t i = begin; i < end; ++i) active[i] = active[i] && seenTriangle[splats.triangle[i]];
         addSplatRegularisers(splats, referenceSizeM, active, settings.regularise, begin, end, rows);
         for (size_t i = begin; i < end; ++i) {
             if (!active[i]) continue;

@@ -19,6 +19,7 @@ struct CoOptimiser::State {
     Jobs& jobs;
     std::vector<RestTriangle<float>> bind;  // of the template, before offsets
     std::vector<float> referenceSizeM;      // per triangle, for the scale hinge and splits
+    std::vector<uint8_t> seenTriangle;      // TriangleSight::seen; splats elsewhere stay as they started
     VertexIncidence incidence;
     std::optional<MeshRegulariser> meshRegulariser;
     std::optional<LargeSteps> largeSteps;

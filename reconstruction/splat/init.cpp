@@ -14,6 +14,8 @@
 namespace dpl {
 namespace {
 
+constexpr float kSeenShare = 0.04;  // of what the frames show of the median triangle, in areas of the triangle
+
 bool contains(const std::vector<uint8_t>& list, uint8_t value) {
     return std::find(list.begin(), list.end(), value) != list.end();
 }
@@ -22,6 +24,21 @@ void poseMesh(std::span<const JointData> joints, const MeshData& mesh, const Pos
     std::vector<Mat3x4f> transforms;
     jointTransforms(joints, pose, transforms);
     skin(mesh, transforms, jobs, posed);
+}
+
+/** Area at rest, m²; 0 for a triangle that no splat can lie on. */
+double triangleArea(const MeshData& mesh, uint32_t triangle) {
+    const Triangle& corner = mesh.triangles[triangle];
+    const Vec3d a(mesh.restPositions[corner.x]), b(mesh.restPositions[corner.y]), c(mesh.restPositions[corner.z]);
+    return restTriangle(a, b, c).valid ? 0.5 * glm::length(glm::cross(b - a, c - a)) : 0;
+}
+
+float medianAboveZero(std::vector<float> values, float ifNone) {
+    std::erase_if(values, [](float value) { return !(value > 0); });
+    if (values.empty()) return ifNone;
+    const auto middle = values.begin() + long(values.size() / 2);
+    std::nth_element(values.begin(), middle, values.end());
+    return *middle;
 }
 
 /** 1 for triangles that get splats: all, except those of a clothed body that lie more than kRingsBelowClothes from a seen triangle. */
@@ -147,22 +164,32 @@ std::vector<uint8_t> triangleFlags(std::span<const Vec3f> restPositions, std::sp
 TriangleSight triangleSight(std::span<const JointData> joints, const MeshData& mesh, std::span<const uint8_t> labels,
                             std::span<const TrainFrame> frames, Jobs& jobs) {
     const LabelCheck check(labels);
-    std::vector<float> density(mesh.triangles.size(), 0.0f);
+    std::vector<float> density(mesh.triangles.size(), 0.0f), shownM2(mesh.triangles.size(), 0.0f);
     std::vector<Vec3f> posed;
     for (const TrainFrame& f : frames) {
         poseMesh(joints, mesh, f.pose, jobs, posed);
         const MeshRaster raster = rasteriseMesh(posed, mesh.triangles, f.camera);
-        for (size_t i = 0; i < raster.triangle.size(); ++i)
-            if (raster.triangle[i] != kNoTriangle && check.fits(raster.triangle[i], f, i))
-                density[raster.triangle[i]] = std::max(density[raster.triangle[i]], float(f.camera.fx) / raster.depthM[i]);
+        for (size_t i = 0; i < raster.triangle.size(); ++i) {
+            const uint32_t t = raster.triangle[i];
+            if (t == kNoTriangle || !isPerson(f.picture->mask.pixels[i]) || !check.fits(t, f, i)) continue;
+            const float pixelsAMetre = float(f.camera.fx) / raster.depthM[i];
+            density[t] = std::max(density[t], pixelsAMetre);
+            shownM2[t] += 1 / (pixelsAMetre * pixelsAMetre);
+        }
     }
-    std::vector<float> seen;
-    for (float d : density)
-        if (d > 0) seen.push_back(d);
-    float median = 200;
-    if (!seen.empty()) std::nth_element(seen.begin(), seen.begin() + long(seen.size() / 2), seen.end()), median = seen[seen.size() / 2];
+    const float median = medianAboveZero(density, 200);
     TriangleSight sight;
-    for (const float d : density) sight.seen.push_back(d > 0), sight.sizeFloorM.push_back(0.35f / (d > 0 ? d : median));
+    for (const float d : density) sight.sizeFloorM.push_back(0.35f / (d > 0 ? d : median));
+    // How often the frames together show each triangle and its neighbours.
+    const std::vector<std::vector<uint32_t>> neighbours = triangleNeighbours(mesh);
+    std::vector<float> times;
+    for (uint32_t t = 0; t < mesh.triangles.size(); ++t) {
+        double shown = shownM2[t], area = triangleArea(mesh, t);
+        for (const uint32_t other : neighbours[t]) shown += shownM2[other], area += triangleArea(mesh, other);
+        times.push_back(area > 0 ? float(shown / area) : 0.0f);
+    }
+    const float least = kSeenShare * medianAboveZero(times, 0);
+    for (const float shown : times) sight.seen.push_back(shown > least);
     return sight;
 }
 
@@ -174,11 +201,8 @@ TrainableSplats initialSplats(std::span<const JointData> joints, const MeshData&
     const std::vector<uint8_t> shown = drawnTriangles(mesh, sight.seen, neighbours);
     std::vector<double> area(triangleCount, 0.0);
     double total = 0;
-    for (size_t t = 0; t < triangleCount; ++t) {
-        const Triangle& c = mesh.triangles[t];
-        const Vec3d a(mesh.restPositions[c.x]), b(mesh.restPositions[c.y]), d(mesh.restPositions[c.z]);
-        if (shown[t] && restTriangle(a, b, d).valid) total += area[t] = 0.5 * glm::length(glm::cross(b - a, d - a));
-    }
+    for (uint32_t t = 0; t < triangleCount; ++t)
+        if (shown[t]) total += area[t] = triangleArea(mesh, t);
     std::vector<uint32_t> perTriangle(triangleCount, 0);
     double carried = 0;  // rounding error, passed on to the next triangle so that the total is exact
     for (size_t t = 0; t < triangleCount; ++t) {

@@ -23,7 +23,7 @@ std::vector<uint8_t> triangleFlags(std::span<const Vec3f> restPositions, std::sp
                                    std::span<const uint8_t> labels, const InitSettings& settings);
 
 /** The body below clothes has splats up to so many rings of triangles from what is seen: a few centimetres, what a swinging hem or sleeve
- *  may uncover. */
+ *  may uncover. Training leaves them as they start, in the colours of their neighbours. */
 constexpr int kRingsBelowClothes = 5;
 
 /** Place (u, v) of the k-th of evenly spread points in a triangle: the R2 low-discrepancy sequence from `start`, moved by `shift` and
@@ -41,11 +41,13 @@ std::vector<Vec3f> spreadColours(const std::vector<Vec4f>& weighted, const std::
 struct TriangleSight {
     std::vector<float> sizeFloorM;  // in-plane size floor of a splat: 0.35/ν, with ν the highest resolution in px/m at which a frame shows
                                     // the triangle. Triangles that no frame shows take the median.
-    std::vector<uint8_t> seen;  // 1: some frame shows it
+    std::vector<uint8_t> seen;  // 1: seen enough to learn its looks from the frames
 };
 
-/** A frame shows a triangle where the triangle is in front and, if both have labels, the picture does not show another part of the mesh: a
- *  leg below a skirt is not seen where the posed skirt lies elsewhere than the true one. labels: one a triangle, or empty. */
+/** A frame shows a triangle where the triangle is in front, the person is, and, if both have labels, the picture does not show another part
+ *  of the mesh: a leg below a skirt is not seen where the posed skirt lies elsewhere than the true one. A triangle is seen when the frames
+ * show of it and its neighbours, in shares of their area, more than 4 % of what they show of the median triangle: pictures that meet it by
+ * a pixel here and there, where layers cut into each other, do not tell its colour. labels: one a triangle, or empty. */
 TriangleSight triangleSight(std::span<const JointData> joints, const MeshData& mesh, std::span<const uint8_t> labels,
                             std::span<const TrainFrame> frames, Jobs& jobs);
 

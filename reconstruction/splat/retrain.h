@@ -15,9 +15,10 @@ struct RetrainParts {
 /** Settings of `steps` steps at the rates at which a training with settings `trained` ended. */
 CoOptimiseSettings retrainSettings(const CoOptimiseSettings& trained, const RetrainParts& parts, uint32_t steps, uint32_t shDegree);
 
-/** Trains an avatar on. The poses of `frames` are those that it was trained with. Splats keep their number. The result does not depend on
- *  the number of threads. Returns Cancelled when *cancel turns true. */
-Result<AvatarData> retrain(AvatarData avatar, std::vector<TrainFrame> frames, const CoOptimiseSettings& settings, Jobs& jobs,
+/** Trains an avatar on. triangleLabel: as in CoOptimiseInput. The poses of `frames` are those that it was trained with. Splats keep their
+ * number. The result does not depend on the number of threads. Returns Cancelled when *cancel turns true. */
+Result<AvatarData> retrain(AvatarData avatar, std::vector<uint8_t> triangleLabel, std::vector<TrainFrame> frames,
+                           const CoOptimiseSettings& settings, Jobs& jobs,
                            const std::function<void(const CoOptimiseProgress&)>& progress = {}, const std::atomic<bool>* cancel = nullptr);
 
 }  // namespace dpl

@@ -38,7 +38,7 @@ TEST(Retrain, colourMakesUpForLightThatWasTakenAway) {
     AvatarData without = toy.avatar;
     removePart(without, AvatarPart::CorrectiveLight);
     const CoOptimiseSettings settings = retrainSettings(settingsOf({}).training, kNoLight, 60, without.splats.shDegree);
-    const AvatarData after = must(retrain(without, frames, settings, toy.jobs));
+    const AvatarData after = must(retrain(without, {}, frames, settings, toy.jobs));
     EXPECT_GT(scoreOf(after, frames), scoreOf(without, frames) + 1.0);
     EXPECT_EQ(after.splats.count(), without.splats.count());
     EXPECT_NE(after.mesh.restPositions, without.mesh.restPositions);
@@ -52,7 +52,8 @@ TEST(Retrain, doesNotDependOnTheNumberOfThreads) {
     const auto frames = framesOfToy(toy);
     const CoOptimiseSettings settings = retrainSettings(settingsOf({}).training, {}, 12, toy.avatar.splats.shDegree);
     Jobs one(1), three(3);
-    EXPECT_EQ(bytesOf(must(retrain(toy.avatar, frames, settings, one))), bytesOf(must(retrain(toy.avatar, frames, settings, three))));
+    EXPECT_EQ(bytesOf(must(retrain(toy.avatar, {}, frames, settings, one))),
+              bytesOf(must(retrain(toy.avatar, {}, frames, settings, three))));
 }
 
 }  // namespace

@@ -240,6 +240,36 @@ TEST(CoOptimise, correctivesAreFoundAgain) {
     EXPECT_GT(psnr[1], psnr[0] + 3) << "the pictures cannot be explained without them";
 }
 
+TEST(CoOptimise, splatsThatNoPictureShowsStayAsTheyStarted) {
+    Jobs jobs(2);
+    CoOptimiseInput in = toyScene(jobs);
+    std::erase_if(in.frames, [](const TrainFrame& frame) { return frame.camera.eye().z < 0.5; });  // none looks at the back of the ball
+    ASSERT_FALSE(in.frames.empty());
+    const TriangleSight sight = triangleSight(in.joints, in.mesh, {}, in.frames, jobs);
+    CoOptimiseSettings settings = toySettings(60);
+    settings.densify = false;
+    auto trainer = CoOptimiser::create(in, settings, jobs);
+    ASSERT_TRUE(trainer);
+    const SplatData before = (*trainer)->result().splats;
+    ASSERT_TRUE((*trainer)->run());
+    const SplatData after = (*trainer)->result().splats;
+    ASSERT_EQ(after.triangleStart, before.triangleStart);
+    const uint32_t stride = shCoefficientCount(before.shDegree) * 3;
+    size_t unseen = 0, seen = 0, learned = 0;
+    for (size_t t = 0; t < sight.seen.size(); ++t)
+        for (uint32_t i = before.triangleStart[t]; i < before.triangleStart[t + 1]; ++i) {
+            const bool same = after.opacity[i] == before.opacity[i] && after.uv[i] == before.uv[i] &&
+                              std::equal(&after.sh[i * stride], &after.sh[(i + 1) * stride - 1] + 1, &before.sh[i * stride]);
+            ++(sight.seen[t] ? seen : unseen);
+            if (sight.seen[t])
+                learned += !same;
+            else
+                ASSERT_TRUE(same) << "splat " << i << " of unseen triangle " << t;
+        }
+    EXPECT_GT(unseen, 100u);
+    EXPECT_GT(learned, seen / 2);
+}
+
 TEST(CoOptimise, aCloseupMovesSplatsFurtherInOneStep) {
     // Adam's first step has the length of the rate, whatever the gradient, so a factor on gradients would not show.
     Jobs jobs(2);
@@ -340,7 +370,7 @@ TEST(Polish, keepsMeshAndOrderAndLowersTheLoss) {
     const SplatData before = avatar.splats;
     const auto lossOf = [&] { return fitPose(avatar, in.frames[0], {.iterations = 0}, jobs)->lossBefore; };
     const double dull = lossOf();
-    auto polished = polish(avatar, in.frames, 120, 5, jobs);
+    auto polished = polish(avatar, {}, in.frames, 120, 5, jobs);
     ASSERT_TRUE(polished) << polished.error().message;
     avatar = std::move(*polished);
     EXPECT_EQ(avatar.splats.uv, before.uv);

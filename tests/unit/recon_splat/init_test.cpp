@@ -66,6 +66,39 @@ TEST(InitialSplats, bodyWherePicturesShowClothesHasNone) {
     EXPECT_EQ(bodySplats(3), bodySplats(kBody)) << "what has no layer of its own is painted on the body";
 }
 
+TEST(TriangleSight, pixelsHereAndThereAreNotSeen) {
+    Jobs jobs(2);
+    const CoOptimiseInput scene = toyScene(jobs);
+    const auto seenBelow = [&](uint32_t step) {  // pictures whose masks show one pixel in step² of their lower halves
+        std::vector<TrainFrame> frames = scene.frames;
+        for (TrainFrame& frame : frames) {
+            FramePicture picture = *frame.picture;
+            for (uint32_t y = picture.mask.heightPx / 2; y < picture.mask.heightPx; ++y)
+                for (uint32_t x = 0; x < picture.mask.widthPx; ++x)
+                    if (x % step != 0 || y % step != 0) picture.mask.pixels[y * picture.mask.widthPx + x] = 0;
+            frame.picture = std::make_shared<const FramePicture>(std::move(picture));
+        }
+        const TriangleSight sight = triangleSight(scene.joints, scene.mesh, {}, frames, jobs);
+        size_t seen = 0;
+        for (size_t t = 0; t < sight.seen.size(); ++t) {
+            const Triangle& corner = scene.mesh.triangles[t];
+            float highest = -1;
+            for (int c = 0; c < 3; ++c) highest = std::max(highest, scene.mesh.restPositions[corner[c]].y);
+            if (highest < -0.08f) seen += sight.seen[t];
+        }
+        return seen;
+    };
+    EXPECT_GT(seenBelow(1), 60u);
+    EXPECT_LT(seenBelow(8), 5u);
+}
+
+TEST(TriangleSight, onePictureIsEnough) {
+    Jobs jobs(2);
+    const CoOptimiseInput scene = toyScene(jobs);
+    const auto seen = triangleSight(scene.joints, scene.mesh, {}, std::span(scene.frames.data(), 1), jobs).seen;
+    EXPECT_GT(std::count(seen.begin(), seen.end(), uint8_t(1)), long(seen.size()) / 4) << "most of what faces it";
+}
+
 TEST(InitialSplats, oneLayerKeepsItsUnseenTriangles) {
     Jobs jobs(2);
     MeshData mesh = dressedBall(0);
