@@ -7,6 +7,7 @@
 #include <span>
 
 #include "reconstruction/garments/body_follow.h"
+#include "reconstruction/garments/resting_hands.h"
 #include "reconstruction/garments/stress_poses.h"
 #include "reconstruction/priors.h"
 #include "reconstruction/shape/closest_surface.h"
@@ -21,9 +22,9 @@ constexpr float kStepBeforeCut = 0.07f;  // the cut to four joints makes steps s
 constexpr int kSmoothingRounds = 400;
 constexpr int kCutRounds = 12;
 constexpr int kStressRounds = 4;
-constexpr double kCloser = 0.5;  // factor of ℓ in each round
-constexpr float kReachM = 0.1f;  // a vertex deeper in the body than this has met another limb
-constexpr float kSmallestDeterminant = 0.05f;
+constexpr double kCloser = 0.5;                // factor of ℓ in each round
+constexpr float kReachM = 0.1f;                // a vertex deeper in the body than this has met another limb
+constexpr float kSmallestDeterminant = 0.25f;  // of a blend of two rotations that halves two lengths; less would throw vertices far away
 
 /** Dense rows, one column for each joint that the body below uses. */
 struct Rows {
@@ -151,13 +152,27 @@ std::vector<uint8_t> sinking(std::span<const Vec3f> rest, const ClothWeights& we
     return sinks;
 }
 
+/** bodyBelow(), but for cloth that a hand only rests on. Triangles are those of the body. */
+std::vector<SurfacePoint> wornBodyBelow(const SurfaceMesh& piece, const MeshData& body, std::span<const JointData> joints,
+                                        std::span<const Vec3f> posed) {
+    std::vector<SurfacePoint> below = bodyBelow(piece, ClosestSurface(posed, body.triangles));
+    const std::vector<uint32_t> touched = clothUnderRestingHands(piece, below, body, joints);
+    if (touched.empty()) return below;
+    const std::vector<uint32_t> armless = trianglesWithoutArms(body, joints);
+    std::vector<Triangle> triangles;
+    for (const uint32_t t : armless) triangles.push_back(body.triangles[t]);
+    const std::vector<SurfacePoint> others = bodyBelow(piece, ClosestSurface(posed, triangles));
+    for (const uint32_t v : touched) below[v] = others[v], below[v].triangle = armless[others[v].triangle];
+    return below;
+}
+
 }  // namespace
 
 Result<ClothWeights> clothWeights(const SurfaceMesh& piece, const MeshData& body, std::span<const JointData> joints,
                                   std::span<const Mat3x4f> worldFromRest, Jobs& jobs) {
     std::vector<Vec3f> posed;
     skin(body, worldFromRest, jobs, posed);
-    const std::vector<SurfacePoint> below = bodyBelow(piece, ClosestSurface(posed, body.triangles));
+    const std::vector<SurfacePoint> below = wornBodyBelow(piece, body, joints, posed);
     const BodyRows rows = bodyRows(below, body, joints.size());
     std::vector<double> lengths = followLengths(below);
     DPL_TRY(ClothWeights weights, spreadWeights(piece, rows, lengths));

@@ -130,5 +130,45 @@ TEST(ClothWeights, aSkirtGoesWithAThighThatWouldComeThroughIt) {
     EXPECT_LE(held.largestStep, 0.13f);
 }
 
+/** Trunk and left arm, whose forearm lies against the trunk. */
+struct HandOnHip {
+    std::vector<JointData> joints{joint("hips", -1, {0, 0.9f, 0}), joint("leftUpperArm", 0, {0.25f, 1.4f, 0}),
+                                  joint("leftLowerArm", 1, {0.13f, 1.1f, 0})};
+    MeshData body;
+    HandOnHip() {
+        addLimb(body, 0, {0, 0, 0}, 0.1f, 0.6f, 1.45f);
+        addLimb(body, 1, {0.25f, 0, 0}, 0.04f, 1.1f, 1.4f), addLimb(body, 2, {0.13f, 0, 0}, 0.03f, 0.9f, 1.1f);
+    }
+    /** Largest weight of the forearm in a piece. */
+    float onForearm(const SurfaceMesh& piece) const {
+        Jobs jobs(2);
+        std::vector<Mat3x4f> world;
+        jointTransforms(joints, Pose::rest(joints.size()), world);
+        const ClothWeights weights = must(clothWeights(piece, body, joints, world, jobs));
+        int most = 0;
+        for (size_t v = 0; v < piece.positions.size(); ++v)
+            for (int k = 0; k < 4; ++k)
+                if (weights.joints[v][k] == 2) most = std::max(most, int(weights.weights[v][k]));
+        return float(most) / 255;
+    }
+};
+
+TEST(ClothWeights, trousersDoNotFollowAHandOnTheHip) {
+    HandOnHip person;
+    const SurfaceMesh trousers = tube({0, 0, 0}, 0.14f, 0.6f, 1.1f);
+    EXPECT_EQ(person.onForearm(trousers), 0);
+    for (JointData& j : person.joints) j.name = j.humanoidBone = "";  // nobody knows which joint is the forearm
+    EXPECT_GT(person.onForearm(trousers), 0.3f) << "the case must be hard";
+}
+
+TEST(ClothWeights, sleevesAndGlovesFollowTheForearm) {
+    const HandOnHip person;
+    const SurfaceMesh glove = tube({0.13f, 0, 0}, 0.035f, 0.92f, 1.08f);
+    EXPECT_GT(person.onForearm(glove), 0.9f);
+    SurfaceMesh sleeve = tube({0, 0, 0}, 0.05f, 0.9f, 1.4f);  // bends from the upper arm's place to the forearm's
+    for (Vec3f& p : sleeve.positions) p.x += p.y > 1.1f ? 0.25f : 0.13f;
+    EXPECT_GT(person.onForearm(sleeve), 0.8f);
+}
+
 }  // namespace
 }  // namespace dpl
