@@ -157,12 +157,15 @@ std::vector<SurfacePoint> wornBodyBelow(const SurfaceMesh& piece, const MeshData
                                         std::span<const Vec3f> posed) {
     std::vector<SurfacePoint> below = bodyBelow(piece, ClosestSurface(posed, body.triangles));
     const std::vector<uint32_t> touched = clothUnderRestingHands(piece, below, body, joints);
-    if (touched.empty()) return below;
     const std::vector<uint32_t> armless = trianglesWithoutArms(body, joints);
+    if (touched.empty() || armless.empty()) return below;
     std::vector<Triangle> triangles;
     for (const uint32_t t : armless) triangles.push_back(body.triangles[t]);
     const std::vector<SurfacePoint> others = bodyBelow(piece, ClosestSurface(posed, triangles));
-    for (const uint32_t v : touched) below[v] = others[v], below[v].triangle = armless[others[v].triangle];
+    for (const uint32_t v : touched) {
+        below[v] = others[v];
+        below[v].triangle = armless[others[v].triangle];
+    }
     return below;
 }
 

@@ -65,16 +65,16 @@ std::map<uint32_t, float> worstDepths(const AvatarData& avatar, std::span<const 
     return worst;
 }
 
-/** How far each vertex may move inwards: at most kTuckM, fading towards seen skin, and at most half way to the middle of a thin part such
- * as a toe, which would turn inside out. */
+/** How far each vertex may move inwards: at most priors::kTuckM, fading towards seen skin, and at most half way to the middle of a thin
+ * part such as a toe, which would turn inside out. */
 std::vector<float> limits(std::span<const Vec3f> at, std::span<const Triangle> body, std::span<const Vec3f> normals,
                           std::span<const int> rings) {
     const ClosestSurface surface(at, body);
     std::vector<float> limit(at.size());
     for (size_t v = 0; v < at.size(); ++v) {
-        limit[v] = kTuckM * float(rings[v]) / float(kFadeRings);
+        limit[v] = priors::kTuckM * float(rings[v]) / float(kFadeRings);
         // Twice as deep, the closest skin is still the vertex's own unless the part is thin.
-        while (limit[v] > kLeastM && surface.signedDistance(at[v] - 2 * limit[v] * normals[v], kTuckM * 2) > -1.6f * limit[v])
+        while (limit[v] > kLeastM && surface.signedDistance(at[v] - 2 * limit[v] * normals[v], priors::kTuckM * 2) > -1.6f * limit[v])
             limit[v] /= 2;
         if (limit[v] <= kLeastM) limit[v] = 0;
     }

@@ -12,12 +12,9 @@
 namespace dpl {
 
 /** Vertices of the layer with the role "body" move inwards along their normals at rest, by as much as garments sink in there in the worst
- *  of `poses`, at most kTuckM. Only vertices move of which every triangle is unseen; near seen skin and in thin parts they move less. seen:
- * one a triangle of the whole mesh. Garments, weights and correctives stay. Returns the number of vertices that moved; 0 without a body or
- * a garment. The poses must have passed checkPose. Deterministic for any number of threads. */
+ *  of `poses`, at most priors::kTuckM. Only vertices move of which every triangle is unseen; near seen skin and in thin parts they move
+ * less. seen: one a triangle of the whole mesh. Garments, weights and correctives stay. Returns the number of vertices that moved; 0
+ * without a body or a garment. The poses must have passed checkPose. Deterministic for any number of threads. */
 size_t tuckBody(AvatarData& avatar, std::span<const uint8_t> seen, std::span<const Pose> poses, Jobs& jobs);
-
-/** The farthest that a vertex moves, metres. */
-constexpr float kTuckM = 0.01f;
 
 }  // namespace dpl

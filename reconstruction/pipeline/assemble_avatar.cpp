@@ -6,6 +6,7 @@
 #include "reconstruction/garments/stress_poses.h"
 #include "reconstruction/garments/tuck_body.h"
 #include "reconstruction/package/sh_palette.h"
+#include "reconstruction/priors.h"
 #include "reconstruction/splat/init.h"
 #include "sdk/core/evenly_spaced.h"
 #include "sdk/core/log.h"
@@ -66,8 +67,10 @@ constexpr double kShPaletteLevels = 0.5;
 }  // namespace
 
 nlohmann::json assembleInputs() {
-    return {
-        {"shPaletteEntries", kShPaletteEntries}, {"shPaletteLevels", kShPaletteLevels}, {"tuckedPoses", kTuckedPoses}, {"tuckM", kTuckM}};
+    return {{"shPaletteEntries", kShPaletteEntries},
+            {"shPaletteLevels", kShPaletteLevels},
+            {"tuckedPoses", kTuckedPoses},
+            {"tuckM", priors::kTuckM}};
 }
 
 Result<AssembledAvatar> assembleAvatar(const std::vector<JointData>& joints, const ClothedMesh& clothed, const CoOptimiseResult& trained,

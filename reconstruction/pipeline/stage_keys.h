@@ -53,6 +53,7 @@ nlohmann::json fieldsJson(const Settings& settings) {
 inline nlohmann::json trainingInputs(const RunSettings& settings) {
     nlohmann::json out = fieldsJson(settings.training);
     out["pictureTrust"] = priors::kTrainedPictureTrust;
+    out["seenShare"] = priors::kSeenShare;
     if (settings.timeBudgetMinutes > 0) {
         out.erase("steps");
         out["budgetMinutes"] = settings.timeBudgetMinutes;

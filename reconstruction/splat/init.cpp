@@ -6,6 +6,7 @@
 #include <cmath>
 #include <map>
 
+#include "reconstruction/priors.h"
 #include "reconstruction/splat/random.h"
 #include "reconstruction/surface/mesh_raster.h"
 #include "sdk/math/merge_vertices.h"
@@ -13,8 +14,6 @@
 
 namespace dpl {
 namespace {
-
-constexpr float kSeenShare = 0.04;  // of what the frames show of the median triangle, in areas of the triangle
 
 bool contains(const std::vector<uint8_t>& list, uint8_t value) {
     return std::find(list.begin(), list.end(), value) != list.end();
@@ -188,7 +187,7 @@ TriangleSight triangleSight(std::span<const JointData> joints, const MeshData& m
         for (const uint32_t other : neighbours[t]) shown += shownM2[other], area += triangleArea(mesh, other);
         times.push_back(area > 0 ? float(shown / area) : 0.0f);
     }
-    const float least = kSeenShare * medianAboveZero(times, 0);
+    const float least = priors::kSeenShare * medianAboveZero(times, 0);
     for (const float shown : times) sight.seen.push_back(shown > least);
     return sight;
 }

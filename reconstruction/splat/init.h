@@ -46,8 +46,8 @@ struct TriangleSight {
 
 /** A frame shows a triangle where the triangle is in front, the person is, and, if both have labels, the picture does not show another part
  *  of the mesh: a leg below a skirt is not seen where the posed skirt lies elsewhere than the true one. A triangle is seen when the frames
- * show of it and its neighbours, in shares of their area, more than 4 % of what they show of the median triangle: pictures that meet it by
- * a pixel here and there, where layers cut into each other, do not tell its colour. labels: one a triangle, or empty. */
+ * show of it and its neighbours, in shares of their area, more than priors::kSeenShare of what they show of the median triangle: pictures
+ * that meet it by a pixel here and there, where layers cut into each other, do not tell its colour. labels: one a triangle, or empty. */
 TriangleSight triangleSight(std::span<const JointData> joints, const MeshData& mesh, std::span<const uint8_t> labels,
                             std::span<const TrainFrame> frames, Jobs& jobs);
 

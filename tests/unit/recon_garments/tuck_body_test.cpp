@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "reconstruction/garments/cloth_faults.h"
+#include "reconstruction/priors.h"
 #include "tests/unit/ball_mesh.h"
 
 namespace dpl::test {
@@ -88,7 +89,7 @@ TEST(TuckBody, goesNoDeeperThanACentimetre) {
     const Pose rest = Pose::rest(2);
     AvatarData after = before;
     tuckBody(after, lowerPartSeen(before.mesh), std::span(&rest, 1), jobs);
-    EXPECT_NEAR(farthestMove(before.mesh, after.mesh), kTuckM, 1e-5f);
+    EXPECT_NEAR(farthestMove(before.mesh, after.mesh), priors::kTuckM, 1e-5f);
 }
 
 TEST(TuckBody, doesNotTurnThinPartsInsideOut) {
