@@ -93,7 +93,7 @@ Result<std::unique_ptr<CoOptimiser>> CoOptimiser::create(CoOptimiseInput input, 
     TrainableSplats first =
         initialSplats(s.input.joints, s.mesh, s.input.triangleLabel, flags, sight, s.input.frames, s.settings.init, s.settings.seed, jobs);
     holdBareVertices(s.mesh, first, s.learned.layer.correctives);
-    s.seenTriangle = std::move(sight.seen);
+    s.chooseLearners(sight.seen);
     s.start(std::move(first));
     return std::unique_ptr<CoOptimiser>(new CoOptimiser(std::move(state)));
 }
@@ -111,9 +111,14 @@ Result<std::unique_ptr<CoOptimiser>> CoOptimiser::createFrom(CoOptimiseInput inp
     TriangleSight sight = triangleSight(s.input.joints, s.mesh, s.input.triangleLabel, s.input.frames, jobs);
     TrainableSplats first = TrainableSplats::fromSplatData(splats, sight.sizeFloorM);
     first.activateAll(jobs);
-    s.seenTriangle = std::move(sight.seen);
+    s.chooseLearners(sight.seen);
     s.start(std::move(first));
     return std::unique_ptr<CoOptimiser>(new CoOptimiser(std::move(state)));
+}
+
+void CoOptimiser::State::chooseLearners(const std::vector<uint8_t>& seen) {
+    learns = seen;
+    if (!mesh.layers.empty()) std::fill(learns.begin() + mesh.layers.front().triangleCount, learns.end(), uint8_t(1));
 }
 
 void CoOptimiser::State::start(TrainableSplats splats) {
@@ -258,7 +263,7 @@ void CoOptimiser::State::updateSplats(uint32_t frame) {
     const auto length = b.screenGradientLength();
     std::vector<uint8_t> active(b.active().begin(), b.active().end());
     jobs.forRange(splats.count(), 2048, [&](size_t begin, size_t end, uint32_t) {
-        for (size_t i = begin; i < end; ++i) active[i] = active[i] && seenTriangle[splats.triangle[i]];
+        for (size_t i = begin; i < end; ++i) active[i] = active[i] && learns[splats.triangle[i]];
         addSplatRegularisers(splats, referenceSizeM, active, settings.regularise, begin, end, rows);
         for (size_t i = begin; i < end; ++i) {
             if (!active[i]) continue;

@@ -19,7 +19,7 @@ struct CoOptimiser::State {
     Jobs& jobs;
     std::vector<RestTriangle<float>> bind;  // of the template, before offsets
     std::vector<float> referenceSizeM;      // per triangle, for the scale hinge and splits
-    std::vector<uint8_t> seenTriangle;      // TriangleSight::seen; splats elsewhere stay as they started
+    std::vector<uint8_t> learns;            // per triangle: splats of unseen triangles of the body stay as they started
     VertexIncidence incidence;
     std::optional<MeshRegulariser> meshRegulariser;
     std::optional<LargeSteps> largeSteps;
@@ -42,6 +42,7 @@ struct CoOptimiser::State {
     StepProfile profile;
 
     Status prepare();
+    void chooseLearners(const std::vector<uint8_t>& seen);
     void start(TrainableSplats splats);
     Status stepOnce();
     /** Fills collisionGradient every geometryEvery steps, and stressGradient every second time. */
