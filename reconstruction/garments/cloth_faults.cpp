@@ -6,6 +6,7 @@
 
 #include "reconstruction/garments/garment_cover.h"
 #include "reconstruction/shape/closest_surface.h"
+#include "reconstruction/shape/clothed_layers.h"
 #include "reconstruction/surface/mesh_raster.h"
 #include "sdk/avatar/posed_mesh.h"
 
@@ -27,13 +28,11 @@ struct Clothed {
     std::vector<RestTriangle<float>> bind;  // of the whole mesh
     bool empty() const { return body.empty() || vertices.empty(); }
 
-    explicit Clothed(const AvatarData& from) : avatar(from) {
+    explicit Clothed(const AvatarData& from) : avatar(from), vertices(garmentVertices(from.mesh)) {
         for (const LayerData& layer : from.mesh.layers) {
             const std::span<const Triangle> own(from.mesh.triangles.data() + layer.firstTriangle, layer.triangleCount);
-            if (layer.role == "body" && body.empty()) body = own;
-            if (layer.role != "garment") continue;
-            triangles.insert(triangles.end(), own.begin(), own.end());
-            for (uint32_t v = 0; v < layer.vertexCount; ++v) vertices.push_back(layer.firstVertex + v);
+            if (&layer == bodyLayer(from.mesh)) body = own;
+            if (layer.role == "garment") triangles.insert(triangles.end(), own.begin(), own.end());
         }
         if (!empty()) bind = restTriangles(from.mesh);
     }

@@ -24,7 +24,7 @@ constexpr int kCutRounds = 12;
 constexpr int kStressRounds = 4;
 constexpr double kCloser = 0.5;                // factor of ℓ in each round
 constexpr float kReachM = 0.1f;                // a vertex deeper in the body than this has met another limb
-constexpr float kSmallestDeterminant = 0.25f;  // of a blend of two rotations that halves two lengths; less would throw vertices far away
+constexpr float kSmallestDeterminant = 0.25f;  // of a blend that halves two lengths; the inverse of a smaller one throws vertices far away
 
 /** Dense rows, one column for each joint that the body below uses. */
 struct Rows {
@@ -150,23 +150,6 @@ std::vector<uint8_t> sinking(std::span<const Vec3f> rest, const ClothWeights& we
         });
     }
     return sinks;
-}
-
-/** bodyBelow(), but for cloth that a hand only rests on. Triangles are those of the body. */
-std::vector<SurfacePoint> wornBodyBelow(const SurfaceMesh& piece, const MeshData& body, std::span<const JointData> joints,
-                                        std::span<const Vec3f> posed) {
-    std::vector<SurfacePoint> below = bodyBelow(piece, ClosestSurface(posed, body.triangles));
-    const std::vector<uint32_t> touched = clothUnderRestingHands(piece, below, body, joints);
-    const std::vector<uint32_t> armless = trianglesWithoutArms(body, joints);
-    if (touched.empty() || armless.empty()) return below;
-    std::vector<Triangle> triangles;
-    for (const uint32_t t : armless) triangles.push_back(body.triangles[t]);
-    const std::vector<SurfacePoint> others = bodyBelow(piece, ClosestSurface(posed, triangles));
-    for (const uint32_t v : touched) {
-        below[v] = others[v];
-        below[v].triangle = armless[others[v].triangle];
-    }
-    return below;
 }
 
 }  // namespace

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 
+#include "reconstruction/garments/body_follow.h"
 #include "sdk/avatar/humanoid.h"
 
 namespace dpl {
@@ -45,13 +46,8 @@ std::vector<Part> partsOfTriangles(const MeshData& body, std::span<const JointDa
     return parts;
 }
 
-}  // namespace
-
-std::vector<uint32_t> clothUnderRestingHands(const SurfaceMesh& piece, std::span<const SurfacePoint> below, const MeshData& body,
-                                             std::span<const JointData> joints) {
-    const std::vector<Part> ofTriangle = partsOfTriangles(body, joints);
-    std::vector<Part> parts;
-    for (const SurfacePoint& point : below) parts.push_back(ofTriangle[point.triangle]);
+/** Vertices of `piece` on a forearm or hand that it does not clothe. parts: of the arm that each vertex lies on. */
+std::vector<uint32_t> underRestingHands(const SurfaceMesh& piece, std::span<const Part> parts) {
     const auto lowerCount = size_t(std::count_if(parts.begin(), parts.end(), isLower));
     if (lowerCount == 0 || 2 * lowerCount > parts.size()) return {};
     // Cloth on forearm and hand belongs to the arm where a path over cloth on that arm leads to its upper part.
@@ -74,12 +70,27 @@ std::vector<uint32_t> clothUnderRestingHands(const SurfaceMesh& piece, std::span
     return under;
 }
 
-std::vector<uint32_t> trianglesWithoutArms(const MeshData& body, std::span<const JointData> joints) {
-    const std::vector<Part> parts = partsOfTriangles(body, joints);
-    std::vector<uint32_t> rest;
-    for (uint32_t t = 0; t < parts.size(); ++t)
-        if (parts[t] == kElsewhere) rest.push_back(t);
-    return rest;
+}  // namespace
+
+std::vector<SurfacePoint> wornBodyBelow(const SurfaceMesh& piece, const MeshData& body, std::span<const JointData> joints,
+                                        std::span<const Vec3f> posedBody) {
+    std::vector<SurfacePoint> below = bodyBelow(piece, ClosestSurface(posedBody, body.triangles));
+    const std::vector<Part> ofTriangle = partsOfTriangles(body, joints);
+    std::vector<Part> parts;
+    for (const SurfacePoint& point : below) parts.push_back(ofTriangle[point.triangle]);
+    const std::vector<uint32_t> touched = underRestingHands(piece, parts);
+    if (touched.empty()) return below;
+    std::vector<uint32_t> armless;  // numbers of triangles that no arm moves
+    std::vector<Triangle> triangles;
+    for (uint32_t t = 0; t < ofTriangle.size(); ++t)
+        if (ofTriangle[t] == kElsewhere) armless.push_back(t), triangles.push_back(body.triangles[t]);
+    if (armless.empty()) return below;
+    const std::vector<SurfacePoint> others = bodyBelow(piece, ClosestSurface(posedBody, triangles));
+    for (const uint32_t v : touched) {
+        below[v] = others[v];
+        below[v].triangle = armless[others[v].triangle];
+    }
+    return below;
 }
 
 }  // namespace dpl

@@ -11,13 +11,11 @@
 
 namespace dpl {
 
-/** Vertices of `piece` in the reach of a hand or forearm that it does not clothe: the cloth there is not connected to cloth on the same
- *  upper arm. Trousers below a hand on the hip are an example. A piece that lies on hands and forearms for the most part, such as gloves,
- *  has none. Empty for a rig without named arms. below: bodyBelow(piece). */
-std::vector<uint32_t> clothUnderRestingHands(const SurfaceMesh& piece, std::span<const SurfacePoint> below, const MeshData& body,
-                                             std::span<const JointData> joints);
-
-/** Numbers of the body's triangles that no arm moves, from the upper arms down. All of them for a rig without named arms. */
-std::vector<uint32_t> trianglesWithoutArms(const MeshData& body, std::span<const JointData> joints);
+/** bodyBelow() of a garment, but cloth in the reach of a forearm or hand that it does not clothe gets a point of the body without arms.
+ *  Cloth clothes them where it is connected, over cloth on the same arm, to cloth on the upper arm. Trousers below a hand on the hip do
+ * not. A piece that lies on forearms and hands for the most part, such as gloves, does. Without named arms: bodyBelow(). piece and
+ * posedBody (V positions of `body`) are in the same pose. */
+std::vector<SurfacePoint> wornBodyBelow(const SurfaceMesh& piece, const MeshData& body, std::span<const JointData> joints,
+                                        std::span<const Vec3f> posedBody);
 
 }  // namespace dpl

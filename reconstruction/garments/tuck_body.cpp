@@ -2,11 +2,11 @@
 #include "reconstruction/garments/tuck_body.h"
 
 #include <algorithm>
-#include <map>
 #include <utility>
 
 #include "reconstruction/priors.h"
 #include "reconstruction/shape/closest_surface.h"
+#include "reconstruction/shape/clothed_layers.h"
 #include "reconstruction/shape/implicit_mesh.h"
 #include "sdk/avatar/posed_mesh.h"
 #include "sdk/math/merge_vertices.h"
@@ -37,12 +37,15 @@ std::vector<int> ringsFromSeen(std::span<const Triangle> body, std::span<const u
     return rings;
 }
 
-/** How deep garments lie below vertices of the body, with clearance, each in its worst pose. */
-std::map<uint32_t, float> worstDepths(const AvatarData& avatar, std::span<const uint32_t> garments, const LayerData& layer,
-                                      std::span<const Pose> poses, Jobs& jobs) {
+/** For each place of the body, how deep garments lie below it in its worst pose, with clearance; 0 where none does. placeOf: of vertices.
+ */
+std::vector<float> worstDepths(const AvatarData& avatar, std::span<const uint32_t> placeOf, uint32_t placeCount,
+                               std::span<const Pose> poses, Jobs& jobs) {
+    const LayerData& layer = *bodyLayer(avatar.mesh);
     const std::span<const Triangle> body = std::span(avatar.mesh.triangles).subspan(layer.firstTriangle, layer.triangleCount);
+    const std::vector<uint32_t> garments = garmentVertices(avatar.mesh);
     const std::vector<RestTriangle<float>> bind = restTriangles(avatar.mesh);
-    std::map<uint32_t, float> worst;
+    std::vector<float> worst(placeCount, 0.0f);
     PosedMesh posed;
     ClosestSurface surface(avatar.mesh.restPositions, body);
     std::vector<SurfacePoint> sunk(garments.size());
@@ -53,12 +56,12 @@ std::map<uint32_t, float> worstDepths(const AvatarData& avatar, std::span<const 
             for (size_t i = begin; i < end; ++i) {
                 const Vec3f& p = posed.positions()[garments[i]];
                 sunk[i] = surface.find(p, kReachM);
-                if (sunk[i].found() && glm::dot(p - sunk[i].position, surface.normalAt(sunk[i])) >= 0) sunk[i] = {};
+                if (sunk[i].found() && !surface.isInside(p, sunk[i])) sunk[i] = {};
             }
         });
         for (const SurfacePoint& point : sunk)
             for (int c = 0; c < 3 && point.found(); ++c) {
-                float& depth = worst[body[point.triangle][c]];
+                float& depth = worst[placeOf[body[point.triangle][c]]];
                 depth = std::max(depth, point.distanceM + priors::kClothClearanceM);
             }
     }
@@ -95,11 +98,8 @@ void followNeighbours(std::vector<float>& values, const std::vector<std::vector<
 
 size_t tuckBody(AvatarData& avatar, std::span<const uint8_t> seen, std::span<const Pose> poses, Jobs& jobs) {
     MeshData& mesh = avatar.mesh;
-    const auto layer = std::find_if(mesh.layers.begin(), mesh.layers.end(), [](const LayerData& l) { return l.role == "body"; });
-    std::vector<uint32_t> garments;
-    for (const LayerData& l : mesh.layers)
-        for (uint32_t v = 0; l.role == "garment" && v < l.vertexCount; ++v) garments.push_back(l.firstVertex + v);
-    if (layer == mesh.layers.end() || garments.empty() || poses.empty()) return 0;
+    const LayerData* layer = bodyLayer(mesh);
+    if (!layer || garmentVertices(mesh).empty() || poses.empty()) return 0;
     // Vertices at one position move as one, or the skin would tear at seams.
     const auto [placeOf, placeCount] = mergeVertices(mesh.restPositions);
     const std::vector<Vec3f> before = mesh.restPositions;
@@ -114,7 +114,8 @@ size_t tuckBody(AvatarData& avatar, std::span<const uint8_t> seen, std::span<con
     const std::vector<float> limit = limits(atPlace, body, normals, rings);
     std::vector<float> tuck(placeCount, 0.0f);
     for (int round = 0; round < kRounds; ++round) {
-        for (const auto& [vertex, depth] : worstDepths(avatar, garments, *layer, poses, jobs)) tuck[placeOf[vertex]] += depth;
+        const std::vector<float> deeper = worstDepths(avatar, placeOf, placeCount, poses, jobs);
+        for (size_t p = 0; p < placeCount; ++p) tuck[p] += deeper[p];
         for (int ring = 0; ring < kFadeRings; ++ring) followNeighbours(tuck, neighbours);
         for (size_t p = 0; p < placeCount; ++p) tuck[p] = std::min(tuck[p], limit[p]);
         for (size_t v = 0; v < before.size(); ++v) mesh.restPositions[v] = before[v] - tuck[placeOf[v]] * normals[placeOf[v]];

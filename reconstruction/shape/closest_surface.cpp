@@ -168,7 +168,7 @@ Vec3f ClosestSurface::normalAt(const SurfacePoint& at) const {
 float ClosestSurface::signedDistance(const Vec3f& point, float reachM) const {
     const SurfacePoint at = find(point, reachM);
     if (!at.found()) return std::numeric_limits<float>::infinity();
-    return glm::dot(point - at.position, normalAt(at)) < 0 ? -at.distanceM : at.distanceM;
+    return isInside(point, at) ? -at.distanceM : at.distanceM;
 }
 
 }  // namespace dpl

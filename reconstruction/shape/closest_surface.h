@@ -38,6 +38,10 @@ public:
 
     /** Unit normal at a found point, interpolated between the vertices. */
     Vec3f normalAt(const SurfacePoint& at) const;
+    /** Whether `point` lies inside, by `closest`, the surface point that find() gave for it. */
+    bool isInside(const Vec3f& point, const SurfacePoint& closest) const {
+        return glm::dot(point - closest.position, normalAt(closest)) < 0;
+    }
     /** Distance from the surface, negative inside; positive infinity beyond reachM. The surface should be closed near the point. */
     float signedDistance(const Vec3f& point, float reachM) const;
 

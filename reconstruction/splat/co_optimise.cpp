@@ -34,6 +34,13 @@ bool finite(const Vec3f& v) {
 
 }  // namespace
 
+CoOptimiseInput inputOf(const AvatarData& avatar, std::vector<uint8_t> triangleLabel, std::vector<TrainFrame> frames) {
+    CoOptimiseInput input;
+    input.joints = avatar.joints, input.mesh = avatar.mesh, input.correctives = avatar.correctives;
+    input.triangleLabel = std::move(triangleLabel), input.frames = std::move(frames);
+    return input;
+}
+
 Status CoOptimiser::State::prepare() {
     const MeshData& m = input.mesh;
     const size_t vertexCount = m.restPositions.size();

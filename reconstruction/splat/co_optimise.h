@@ -31,6 +31,9 @@ struct CoOptimiseInput {
     std::vector<Pose> stress;            // poses that garments are also pulled out of the body in; may be empty
 };
 
+/** The input for training `avatar` on. frames: with the poses that it was trained with. */
+CoOptimiseInput inputOf(const AvatarData& avatar, std::vector<uint8_t> triangleLabel, std::vector<TrainFrame> frames);
+
 struct CoOptimiseSettings {
     uint64_t seed = 1;
     uint32_t steps = 8000;

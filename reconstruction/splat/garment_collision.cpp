@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "reconstruction/shape/clothed_layers.h"
 #include "reconstruction/splat/backward_mesh.h"
 
 namespace dpl {
@@ -14,17 +15,14 @@ constexpr float kReachM = 0.05f;  // deeper inside, the nearest skin is that of 
 constexpr float kDepthM = 0.01f;  // depth at which a vertex is pulled as hard as the picture pulls
 
 std::span<const Triangle> bodyTriangles(const MeshData& mesh) {
-    for (const LayerData& layer : mesh.layers)
-        if (layer.role == "body") return std::span(mesh.triangles).subspan(layer.firstTriangle, layer.triangleCount);
-    return {};
+    const LayerData* body = bodyLayer(mesh);
+    return body ? std::span(mesh.triangles).subspan(body->firstTriangle, body->triangleCount) : std::span<const Triangle>();
 }
 
 }  // namespace
 
 GarmentCollision::GarmentCollision(const MeshData& mesh) : body_(mesh.restPositions, bodyTriangles(mesh)) {
-    if (bodyTriangles(mesh).empty()) return;
-    for (const LayerData& layer : mesh.layers)
-        for (uint32_t v = 0; layer.role == "garment" && v < layer.vertexCount; ++v) garmentVertices_.push_back(layer.firstVertex + v);
+    if (!bodyTriangles(mesh).empty()) garmentVertices_ = garmentVertices(mesh);
 }
 
 double GarmentCollision::pull(const MeshData& mesh, std::span<const Vec3f> posed, std::span<const Vec3f> rest,
@@ -43,11 +41,11 @@ double GarmentCollision::pull(const MeshData& mesh, std::span<const Vec3f> posed
             const uint32_t v = garmentVertices_[i];
             const SurfacePoint skin = body_.find(posed[v], kReachM);
             if (!skin.found()) continue;
-            const Vec3f normal = body_.normalAt(skin), away = posed[v] - skin.position;
-            const bool inside = glm::dot(away, normal) < 0;
+            const Vec3f away = posed[v] - skin.position;
+            const bool inside = body_.isInside(posed[v], skin);
             const float missing = priors::kClothClearanceM - (inside ? -skin.distanceM : skin.distanceM);
             if (missing <= 0) continue;
-            const Vec3f outward = skin.distanceM > 1e-6f ? (inside ? -away : away) / skin.distanceM : normal;
+            const Vec3f outward = skin.distanceM > 1e-6f ? (inside ? -away : away) / skin.distanceM : body_.normalAt(skin);
             const glm::u8vec4 w8 = mesh.jointWeights[v];
             const float weights[4] = {float(w8.x) / 255.0f, float(w8.y) / 255.0f, float(w8.z) / 255.0f, float(w8.w) / 255.0f};
             gradient[v] = backwardSkinVertex<float>(rest[v], -stiffness * missing * outward, mesh.jointIndices[v], weights,

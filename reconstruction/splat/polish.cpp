@@ -24,11 +24,8 @@ CoOptimiseSettings polishSettings(uint32_t steps, uint64_t seed, uint32_t shDegr
 Result<AvatarData> polish(AvatarData avatar, std::vector<uint8_t> triangleLabel, std::vector<TrainFrame> frames, uint32_t steps,
                           uint64_t seed, Jobs& jobs, const std::function<void(const CoOptimiseProgress&)>& progress,
                           const std::atomic<bool>* cancel) {
-    CoOptimiseInput input;
-    input.joints = avatar.joints, input.mesh = avatar.mesh, input.correctives = avatar.correctives, input.frames = std::move(frames);
-    input.triangleLabel = std::move(triangleLabel);
-    DPL_TRY(auto trainer,
-            CoOptimiser::createFrom(std::move(input), avatar.splats, polishSettings(steps, seed, avatar.splats.shDegree), jobs));
+    DPL_TRY(auto trainer, CoOptimiser::createFrom(inputOf(avatar, std::move(triangleLabel), std::move(frames)), avatar.splats,
+                                                  polishSettings(steps, seed, avatar.splats.shDegree), jobs));
     DPL_CHECK_OK(trainer->run(progress, cancel));
     avatar.splats = trainer->result().splats;
     return avatar;

@@ -20,10 +20,8 @@ CoOptimiseSettings retrainSettings(const CoOptimiseSettings& trained, const Retr
 Result<AvatarData> retrain(AvatarData avatar, std::vector<uint8_t> triangleLabel, std::vector<TrainFrame> frames,
                            const CoOptimiseSettings& settings, Jobs& jobs, const std::function<void(const CoOptimiseProgress&)>& progress,
                            const std::atomic<bool>* cancel) {
-    CoOptimiseInput input;
-    input.joints = avatar.joints, input.mesh = avatar.mesh, input.correctives = avatar.correctives, input.frames = std::move(frames);
-    input.triangleLabel = std::move(triangleLabel);
-    DPL_TRY(auto trainer, CoOptimiser::createFrom(std::move(input), avatar.splats, settings, jobs));
+    DPL_TRY(auto trainer,
+            CoOptimiser::createFrom(inputOf(avatar, std::move(triangleLabel), std::move(frames)), avatar.splats, settings, jobs));
     DPL_CHECK_OK(trainer->run(progress, cancel));
     CoOptimiseResult result = trainer->result();
     avatar.splats = std::move(result.splats);

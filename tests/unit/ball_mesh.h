@@ -33,8 +33,7 @@ inline MeshData ballMesh(uint32_t rings = 10, uint32_t sides = 14, float radius 
     return m;
 }
 
-/** A body of 0.2 m within a garment, of 0.25 m unless told. The garment ends `open` triangles before the south pole, where the body shows.
- */
+/** A body of 0.2 m within a garment of radius garmentM, which ends `open` triangles before the south pole, where the body shows. */
 inline MeshData dressedBall(size_t open, float garmentM = 0.25f) {
     MeshData mesh = ballMesh(20, 28, 0.2f);
     const MeshData outer = ballMesh(20, 28, garmentM);
