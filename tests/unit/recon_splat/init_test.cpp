@@ -13,14 +13,7 @@ namespace {
 /** Splats of each triangle, drawn around by the toy scene's cameras. shownLabel: label of every pixel; 0: pictures without labels. */
 std::vector<uint32_t> splatsPerTriangle(const MeshData& mesh, Jobs& jobs, std::span<const uint8_t> labels = {}, uint8_t shownLabel = 0) {
     const CoOptimiseInput scene = toyScene(jobs);
-    std::vector<TrainFrame> frames = scene.frames;
-    for (TrainFrame& frame : frames) {
-        if (shownLabel == 0) continue;
-        FramePicture picture = *frame.picture;
-        picture.labels.widthPx = picture.mask.widthPx, picture.labels.heightPx = picture.mask.heightPx;
-        picture.labels.pixels.assign(picture.mask.pixels.size(), shownLabel);
-        frame.picture = std::make_shared<const FramePicture>(std::move(picture));
-    }
+    const std::vector<TrainFrame> frames = shownLabel == 0 ? scene.frames : labelled(scene.frames, shownLabel);
     const TriangleSight sight = triangleSight(scene.joints, mesh, labels, frames, jobs);
     InitSettings init;
     init.splatCount = 6000, init.shDegree = 0;

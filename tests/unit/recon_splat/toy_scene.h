@@ -32,6 +32,17 @@ inline PoseCorrectiveData toyCorrectives(const MeshData& mesh) {
     return c;
 }
 
+/** The same frames with one label at every pixel. */
+inline std::vector<TrainFrame> labelled(std::vector<TrainFrame> frames, uint8_t label) {
+    for (TrainFrame& frame : frames) {
+        FramePicture picture = *frame.picture;
+        picture.labels.widthPx = picture.mask.widthPx, picture.labels.heightPx = picture.mask.heightPx;
+        picture.labels.pixels.assign(picture.mask.pixels.size(), label);
+        frame.picture = std::make_shared<const FramePicture>(std::move(picture));
+    }
+    return frames;
+}
+
 /** swayM (metres) and turn (radians): distance of each frame's true pose from the frame's stated pose. correctives: those of the truth; if
  *  given, every frame is a moving one with its own bend. */
 inline CoOptimiseInput toyScene(Jobs& jobs, uint32_t frameCount = 8, float swayM = 0, float turn = 0, uint32_t sizePx = 72,
