@@ -82,7 +82,7 @@ Vec3d upright(const nlohmann::json& p) {
 
 }  // namespace
 
-Result<TruthComparison> compareWithTruth(const std::filesystem::path& scanRoot, const Scan& scan, const BodyModel& body,
+Result<TruthComparison> compareWithTruth(const std::filesystem::path& scanRoot, const Scan& scan, const BodyModel& shaped,
                                          const BodyFit& fit) {
     DPL_TRY(const nlohmann::json truth, readTruth(scanRoot / "truth.json"));
     std::map<std::string, const nlohmann::json*> byName;
@@ -90,7 +90,6 @@ Result<TruthComparison> compareWithTruth(const std::filesystem::path& scanRoot, 
         if (frame.is_object() && frame.contains("name") && frame["name"].is_string() && frame.contains("keypoints_world"))
             byName[frame["name"].get<std::string>()] = &frame["keypoints_world"];
 
-    const BodyModel shaped = shapedBody(body, fit.shape);
     std::vector<double> test, train, still, limbs;
     std::vector<std::vector<double>> perKeypoint(scan.keypointNames.size());
     for (size_t f = 0; f < scan.frames.size(); ++f) {
@@ -123,7 +122,7 @@ Result<TruthComparison> compareWithTruth(const std::filesystem::path& scanRoot, 
     }
     TruthComparison result;
     if (truth.contains("shape") && truth["shape"].is_object() && truth["shape"].contains("body"))
-        result.sameBody = truth["shape"]["body"] == body.name;
+        result.sameBody = truth["shape"]["body"] == shaped.name;
     result.keypointsMm = spreadOf(test);
     result.trainKeypointsMm = spreadOf(train);
     result.staticKeypointsMm = spreadOf(still);

@@ -26,11 +26,11 @@ struct TruthComparison {
     std::vector<KeypointTruth> byKeypoint;
     ErrorSpread limbDegrees;                          // direction errors of the 12 limb bones, dynamic Test frames
     ErrorSpread trainKeypointsMm, staticKeypointsMm;  // dynamic Train frames; static full-body frames of both splits
-    bool sameBody = false;                            // truth.json states that the subject was made from `body`
+    bool sameBody = false;                            // truth.json states that the subject was made from the same template
 };
 
-/** Reads scanRoot/truth.json (keypoints_world) and compares. NotFound when the scan has no truth. */
-Result<TruthComparison> compareWithTruth(const std::filesystem::path& scanRoot, const Scan& scan, const BodyModel& body,
+/** Reads scanRoot/truth.json (keypoints_world) and compares the poses of `shaped` in `fit`. NotFound when the scan has no truth. */
+Result<TruthComparison> compareWithTruth(const std::filesystem::path& scanRoot, const Scan& scan, const BodyModel& shaped,
                                          const BodyFit& fit);
 
 /** One keypoint of a posed body. */

@@ -46,8 +46,8 @@ Result<T> runFromScan(const ReconstructOptions& options, Progress& progress,
     DPL_TRY(const IngestedScan ingested, runIngest(run, *scan, options.models, options.persons, options.heightM));
     progress.note(withoutLastBreak(ingested.verdict));
     progress.note(ingested.validation);
-    DPL_TRY(ChosenBody chosen, chooseBody(options.body, jobs));
-    DPL_TRY(const FittedBody body, runBodyFit(run, ingested, std::move(chosen)));
+    DPL_TRY(const ChosenBody chosen, chooseBody(options.body, jobs));
+    DPL_TRY(const FittedBody body, runBodyFit(run, ingested, chosen));
     return rest(run, ingested, body);
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "reconstruction/body/body_io.h"
 #include "reconstruction/body/body_tools.h"
+#include "reconstruction/body/rest_shoulders.h"
 #include "reconstruction/body/swapped_sides.h"
 #include "reconstruction/pipeline/fit_file.h"
 #include "reconstruction/pipeline/stage_keys.h"
@@ -24,18 +25,17 @@ Result<ChosenBody> chooseBody(const std::filesystem::path& file, Jobs& jobs) {
     return chosen;
 }
 
-Result<FittedBody> readFittedBody(const StageOutput& stage, const IngestedScan& ingested, BodyModel body) {
+Result<FittedBody> readFittedBody(const StageOutput& stage, const IngestedScan& ingested, const BodyModel& body) {
     FittedBody fitted;
-    fitted.body = std::move(body);
     fitted.key = stage.key;
-    DPL_TRY(fitted.fit,
-            readFitFile(stage.folder / "fit.json", ingested.scan.frames.size(), fitted.body.joints.size(), fitted.body.morphs.size()));
-    fitted.shaped = shapedBody(fitted.body, fitted.fit.shape);
+    DPL_TRY(fitted.fit, readFitFile(stage.folder / "fit.json", ingested.scan.frames.size(), body.joints.size(), body.morphs.size()));
+    fitted.shaped = shapedBody(body, fitted.fit.shape);
+    restShouldersAsScanned(fitted.shaped, fitted.fit);
     for (const ScanFrame& frame : ingested.scan.frames) fitted.cameras.push_back(metricCamera(frame.camera, fitted.fit.metresPerUnit));
     return fitted;
 }
 
-Result<FittedBody> runBodyFit(const StageRun& run, const IngestedScan& ingested, ChosenBody chosen) {
+Result<FittedBody> runBodyFit(const StageRun& run, const IngestedScan& ingested, const ChosenBody& chosen) {
     BodyFitSettings settings;
     // The fit reads the keypoints of every frame and the masks of training frames. Poses of other frames start from their keypoints.
     nlohmann::json keypoints = nlohmann::json::array();
@@ -46,7 +46,7 @@ Result<FittedBody> runBodyFit(const StageRun& run, const IngestedScan& ingested,
                                    {"training", ingested.trainingHash},
                                    {"body", chosen.hash},
                                    {"settings", fieldsJson(settings)}};
-    DPL_TRY(const StageOutput stage, run.chain.run("body-fit", 9, inputs, [&](StageContext& context) -> Status {
+    DPL_TRY(const StageOutput stage, run.chain.run("body-fit", 10, inputs, [&](StageContext& context) -> Status {
         settings.progress = [&](double fraction, std::string_view what) {
             context.progress.update(fraction, what);
             return !context.progress.cancelled();
@@ -55,7 +55,7 @@ Result<FittedBody> runBodyFit(const StageRun& run, const IngestedScan& ingested,
         if (const std::string swaps = describeSwaps(ingested.scan, fit.swapped); !swaps.empty()) context.progress.note(swaps);
         return writeFileAtomically(context.folder / "fit.json", fitToJson(fit));
     }));
-    return readFittedBody(stage, ingested, std::move(chosen.body));
+    return readFittedBody(stage, ingested, chosen.body);
 }
 
 }  // namespace dpl

@@ -55,14 +55,14 @@ void addRegistration(const Scan& scan, const FittedBody& body, const PosesFile& 
         data.figures.push_back({noise, "the same, assumed by the body fit", "% of the diagonal", 100 * keypointSigma(scan)});
         data.figures.push_back({noise, "outliers", "% of the keypoints", 100 * body.fit.outlierShare});
     }
-    const auto afterFit = compareWithTruth(scan.root, scan, body.body, body.fit);
+    const auto afterFit = compareWithTruth(scan.root, scan, body.shaped, body.fit);
     data.provenance = provenanceOf(scan.name, afterFit && afterFit->sameBody);
     if (!afterFit || afterFit->keypointsMm.count == 0) return;
     addTruth(*afterFit, "after the body fit", data);
     BodyFit final = body.fit;
     for (size_t f = 0; f < final.poses.size(); ++f)
         final.poses[f] = poses.frames[f].fittedPose ? *poses.frames[f].fittedPose : poses.frames[f].pose;
-    if (const auto afterPoseFit = compareWithTruth(scan.root, scan, body.body, final))
+    if (const auto afterPoseFit = compareWithTruth(scan.root, scan, body.shaped, final))
         addTruth(*afterPoseFit, "after training and pose fit", data);
 }
 
@@ -138,7 +138,7 @@ Result<StageOutput> runReport(const StageRun& run, const IngestedScan& ingested,
         ReportData data;
         data.title = "Doppel: " + ingested.scan.name;
         data.facts = {{"scan", ingested.scan.root.filename().string()},
-                      {"body", body.body.name},
+                      {"body", body.shaped.name},
                       {"training", formatText("{} steps, at most {} splats; polish {} steps, pose fit {}",
                                               training.result.curve.empty() ? 0u : training.result.curve.back().step,
                                               settings.training.maxSplats, settings.polishSteps, settings.poseFit.iterations)},

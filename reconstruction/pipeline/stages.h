@@ -34,8 +34,8 @@ struct ChosenBody {
 };
 
 struct FittedBody {
-    BodyModel body, shaped;  // the chosen body, and the same at the fitted shape
-    BodyFit fit;
+    BodyModel shaped;              // the chosen body at the fitted shape, with its shoulders at rest as in the still pose
+    BodyFit fit;                   // poses: of `shaped`
     std::vector<Camerad> cameras;  // of Scan::frames, in metres
     std::string key;
 };
@@ -103,9 +103,9 @@ Result<IngestedScan> runIngest(const StageRun& run, const std::filesystem::path&
                                const std::vector<std::string>& persons = {}, double heightM = 0);
 /** Reads the body from `file`, or takes the built-in one if `file` is empty. */
 Result<ChosenBody> chooseBody(const std::filesystem::path& file, Jobs& jobs);
-Result<FittedBody> runBodyFit(const StageRun& run, const IngestedScan& ingested, ChosenBody chosen);
+Result<FittedBody> runBodyFit(const StageRun& run, const IngestedScan& ingested, const ChosenBody& chosen);
 /** Reads the result of a finished body-fit stage. */
-Result<FittedBody> readFittedBody(const StageOutput& stage, const IngestedScan& ingested, BodyModel body);
+Result<FittedBody> readFittedBody(const StageOutput& stage, const IngestedScan& ingested, const BodyModel& body);
 Result<FittedSurface> runSurface(const StageRun& run, const IngestedScan& ingested, const FittedBody& body, Pictures& pictures);
 /** Maps the surface and finds what to film again. Reads no picture of a held-out frame. */
 Result<MappedBody> runBodyMap(const StageRun& run, const IngestedScan& ingested, const FittedBody& body, const FittedSurface& surface,

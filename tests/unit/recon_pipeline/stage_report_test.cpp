@@ -93,11 +93,11 @@ TEST_F(StageReport, scoresTheHeldOutFramesAndWritesItsFiles) {
 
 TEST_F(StageReport, comparesWithTheTruthAndSaysWhoseBodyItIs) {
     // The truth of the moving held-out frame is 20 mm beside the fit.
-    toy_.body.body.keypoints = {{"root", {}, {{0, 1.0f}}}, {"top", {}, {{1, 1.0f}}}};
+    toy_.body.shaped.keypoints = {{"root", {}, {{0, 1.0f}}}, {"top", {}, {{1, 1.0f}}}};
     toy_.ingested.scan.keypointNames = {"root", "top"};
     toy_.ingested.scan.name = "procedural-1";
     nlohmann::json points;
-    for (const PosedKeypoint& k : posedKeypoints(toy_.body.body, toy_.truth[7], toy_.ingested.scan.keypointNames))
+    for (const PosedKeypoint& k : posedKeypoints(toy_.body.shaped, toy_.truth[7], toy_.ingested.scan.keypointNames))
         points.push_back({k.place.x + 0.02, -k.place.z, k.place.y});  // truth.json is z-up
     const nlohmann::json truth = {{"shape", {{"body", "ball"}}}, {"frames", {{{"name", "frame_7"}, {"keypoints_world", points}}}}};
     ASSERT_TRUE(writeFileAtomically(toy_.ingested.scan.root / "truth.json", truth.dump()));
@@ -116,7 +116,7 @@ TEST_F(StageReport, comparesWithTheTruthAndSaysWhoseBodyItIs) {
     EXPECT_TRUE(json["provenance"][0].get<std::string>().starts_with("Development set:"));
     EXPECT_NE(json["provenance"][1].get<std::string>().find("same body model"), std::string::npos);
 
-    toy_.body.body.name = "another";
+    toy_.body.shaped.name = "another";
     toy_.ingested.scan.name = "toy";
     found_.key = "other poses";  // else the stage is reused
     const nlohmann::json other = report();

@@ -71,8 +71,7 @@ public:
         }
         ingested.usable.assign(kFrames, true);
         ingested.hashes.assign(kFrames, FrameHashes{"none", "none", "none", "none"});
-        body.body.name = "ball", body.body.joints = avatar.joints, body.body.mesh = avatar.mesh;
-        body.shaped = body.body;
+        body.shaped.name = "ball", body.shaped.joints = avatar.joints, body.shaped.mesh = avatar.mesh;
         body.fit.poses = registered.poses = truth;
         registered.precisions.resize(kFrames);
         training.result.poses.assign(truth.begin(), truth.begin() + kTrained);
