@@ -11,6 +11,7 @@
 #include "reconstruction/dress/splat_fill.h"
 #include "reconstruction/garments/cloth_weights.h"
 #include "reconstruction/garments/clothed_mesh.h"
+#include "reconstruction/garments/resting_hands.h"
 #include "reconstruction/package/avatar_bytes.h"
 #include "reconstruction/package/sh_palette.h"
 #include "sdk/format/avatar_file.h"
@@ -144,7 +145,8 @@ Result<DressedLayer> fitPart(const NamedAvatar& wearer, std::span<const LayerPar
         done.meanMoveM += glm::length(fitted.positions[v] - old.positions[v]) / float(old.positions.size());
     std::vector<Mat3x4f> atRest;
     jointTransforms(wearer.avatar.joints, Pose::rest(wearer.avatar.joints.size()), atRest);
-    DPL_TRY(ClothWeights weights, clothWeights(fitted, body, wearer.avatar.joints, atRest, jobs));
+    const std::vector<SurfacePoint> below = wornBodyBelow(fitted, body, wearer.avatar.joints, body.restPositions);
+    DPL_TRY(ClothWeights weights, clothWeights(fitted, below, body, wearer.avatar.joints, atRest, jobs));
     part.mesh.jointIndices = std::move(weights.joints);
     part.mesh.jointWeights = std::move(weights.weights);
     movePart(std::move(fitted.positions), part);

@@ -7,7 +7,6 @@
 #include <span>
 
 #include "reconstruction/garments/body_follow.h"
-#include "reconstruction/garments/resting_hands.h"
 #include "reconstruction/garments/stress_poses.h"
 #include "reconstruction/priors.h"
 #include "reconstruction/shape/closest_surface.h"
@@ -154,11 +153,8 @@ std::vector<uint8_t> sinking(std::span<const Vec3f> rest, const ClothWeights& we
 
 }  // namespace
 
-Result<ClothWeights> clothWeights(const SurfaceMesh& piece, const MeshData& body, std::span<const JointData> joints,
-                                  std::span<const Mat3x4f> worldFromRest, Jobs& jobs) {
-    std::vector<Vec3f> posed;
-    skin(body, worldFromRest, jobs, posed);
-    const std::vector<SurfacePoint> below = wornBodyBelow(piece, body, joints, posed);
+Result<ClothWeights> clothWeights(const SurfaceMesh& piece, std::span<const SurfacePoint> below, const MeshData& body,
+                                  std::span<const JointData> joints, std::span<const Mat3x4f> worldFromRest, Jobs& jobs) {
     const BodyRows rows = bodyRows(below, body, joints.size());
     std::vector<double> lengths = followLengths(below);
     DPL_TRY(ClothWeights weights, spreadWeights(piece, rows, lengths));

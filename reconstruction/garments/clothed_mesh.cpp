@@ -8,6 +8,7 @@
 
 #include "reconstruction/garments/body_layer.h"
 #include "reconstruction/garments/cloth_weights.h"
+#include "reconstruction/garments/resting_hands.h"
 #include "reconstruction/garments/silhouette_hull.h"
 #include "reconstruction/priors.h"
 #include "reconstruction/shape/closest_surface.h"
@@ -178,12 +179,13 @@ Result<GarmentFit> makeClothedMesh(const GarmentInput& input, const std::functio
     size_t vertices = 0, inside = 0;
     const ClosestSurface restBody(fit.clothed.mesh.restPositions, input.body.triangles);
     for (const GarmentPiece& piece : taken.pieces) {
-        DPL_TRY(const ClothWeights weights, clothWeights(piece.mesh, input.body, input.joints, body.worldFromRest, jobs));
-        const std::vector<Vec3f> rest = unposed(piece.mesh, weights, body.worldFromRest);
+        const auto [mesh, below] = withArmsApart(piece.mesh, input.body, input.joints, body.posed);
+        DPL_TRY(const ClothWeights weights, clothWeights(mesh, below, input.body, input.joints, body.worldFromRest, jobs));
+        const std::vector<Vec3f> rest = unposed(mesh, weights, body.worldFromRest);
         for (const Vec3f& p : rest) inside += restBody.signedDistance(p, 0.1f) < 0;
         vertices += rest.size();
         fit.largestWeightStep = std::max(fit.largestWeightStep, weights.largestStep);
-        appendLayer(fit.clothed, labels[piece.column], rest, piece.mesh.triangles, weights);
+        appendLayer(fit.clothed, labels[piece.column], rest, mesh.triangles, weights);
     }
     fit.insideBody = double(inside) / double(vertices);
     separateLayers(fit.clothed.mesh);

@@ -12,6 +12,8 @@ namespace {
 
 enum Part : uint8_t { kElsewhere, kLeftUpper, kLeftLower, kRightUpper, kRightLower };  // of the arms; lower: forearm and hand
 
+constexpr float kOneSided = 0.5f;  // length of the mean normal; half a tube has 0.64
+
 constexpr Part upperOf(Part lower) {
     return lower == kLeftLower ? kLeftUpper : kRightUpper;
 }
@@ -70,15 +72,31 @@ std::vector<uint32_t> underRestingHands(const SurfaceMesh& piece, std::span<cons
     return under;
 }
 
+/** Whether cloth on a forearm and hand goes round it: then its normals cancel. */
+bool isSleeve(const SurfaceMesh& piece, std::span<const Part> parts, Part lower) {
+    Vec3f sum(0);
+    float area = 0;
+    for (const Triangle& t : piece.triangles) {
+        if (parts[t.x] != lower || parts[t.y] != lower || parts[t.z] != lower) continue;
+        const Vec3f normal = glm::cross(piece.positions[t.y] - piece.positions[t.x], piece.positions[t.z] - piece.positions[t.x]);
+        sum += normal, area += glm::length(normal);
+    }
+    return glm::length(sum) < kOneSided * area;
+}
+
+std::vector<Part> partsBelow(std::span<const SurfacePoint> below, std::span<const Part> ofTriangle) {
+    std::vector<Part> parts;
+    for (const SurfacePoint& point : below) parts.push_back(ofTriangle[point.triangle]);
+    return parts;
+}
+
 }  // namespace
 
 std::vector<SurfacePoint> wornBodyBelow(const SurfaceMesh& piece, const MeshData& body, std::span<const JointData> joints,
                                         std::span<const Vec3f> posedBody) {
     std::vector<SurfacePoint> below = bodyBelow(piece, ClosestSurface(posedBody, body.triangles));
     const std::vector<Part> ofTriangle = partsOfTriangles(body, joints);
-    std::vector<Part> parts;
-    for (const SurfacePoint& point : below) parts.push_back(ofTriangle[point.triangle]);
-    const std::vector<uint32_t> touched = underRestingHands(piece, parts);
+    const std::vector<uint32_t> touched = underRestingHands(piece, partsBelow(below, ofTriangle));
     if (touched.empty()) return below;
     std::vector<uint32_t> armless;  // numbers of triangles that no arm moves
     std::vector<Triangle> triangles;
@@ -91,6 +109,33 @@ std::vector<SurfacePoint> wornBodyBelow(const SurfaceMesh& piece, const MeshData
         below[v].triangle = armless[others[v].triangle];
     }
     return below;
+}
+
+WornPiece withArmsApart(const SurfaceMesh& piece, const MeshData& body, std::span<const JointData> joints,
+                        std::span<const Vec3f> posedBody) {
+    WornPiece worn{piece, wornBodyBelow(piece, body, joints, posedBody)};
+    const std::vector<Part> parts = partsBelow(worn.below, partsOfTriangles(body, joints));
+    std::array<bool, 5> sleeve{};
+    for (const Part lower : {kLeftLower, kRightLower}) sleeve[lower] = isSleeve(piece, parts, lower);
+    const auto touches = [&](uint32_t arm, uint32_t other) {
+        return sleeve[parts[arm]] && parts[other] != parts[arm] && parts[other] != upperOf(parts[arm]);
+    };
+    std::vector<uint32_t> twinOf(piece.positions.size(), 0);  // 0: none
+    for (Triangle& t : worn.mesh.triangles) {
+        const Triangle was = t;
+        for (int c = 0; c < 3; ++c)
+            for (const int other : {(c + 1) % 3, (c + 2) % 3}) {
+                if (!touches(was[c], was[other]) || t[other] != was[other]) continue;
+                uint32_t& twin = twinOf[was[c]];
+                if (twin == 0) {
+                    twin = uint32_t(worn.mesh.positions.size());
+                    worn.mesh.positions.push_back(piece.positions[was[c]]);
+                    worn.below.push_back(worn.below[was[other]]);
+                }
+                t[c] = twin;
+            }
+    }
+    return worn;
 }
 
 }  // namespace dpl

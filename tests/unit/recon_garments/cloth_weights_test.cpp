@@ -5,6 +5,7 @@
 
 #include <gtest/gtest.h>
 
+#include "reconstruction/garments/resting_hands.h"
 #include "reconstruction/shape/closest_surface.h"
 #include "sdk/avatar/rig.h"
 #include "sdk/math/skinning.h"
@@ -30,6 +31,13 @@ TEST(ClothWeights, aVertexWhoseJointsCancelMovesWithItsNeighbours) {
         EXPECT_NEAR(rest[v].x, strip.positions[v].x - 0.5f, 1e-5);
         EXPECT_NEAR(rest[v].y, strip.positions[v].y, 1e-5);
     }
+}
+
+Result<ClothWeights> weightsOf(const SurfaceMesh& piece, const MeshData& body, std::span<const JointData> joints,
+                               std::span<const Mat3x4f> worldFromRest, Jobs& jobs) {
+    std::vector<Vec3f> posed;
+    skin(body, worldFromRest, jobs, posed);
+    return clothWeights(piece, wornBodyBelow(piece, body, joints, posed), body, joints, worldFromRest, jobs);
 }
 
 /** A tube around the y axis, from `bottom` to `top`, open at both ends. */
@@ -76,7 +84,7 @@ TEST(ClothWeights, aDressOverTheArmsIsOnePieceOfClothWhenTheyMove) {
     Jobs jobs(2);
     std::vector<Mat3x4f> world;
     jointTransforms(joints, Pose::rest(joints.size()), world);
-    const ClothWeights weights = must(clothWeights(dress, body, joints, world, jobs));
+    const ClothWeights weights = must(weightsOf(dress, body, joints, world, jobs));
     EXPECT_LE(weights.largestStep, 0.13f);
     Pose lifted = Pose::rest(joints.size());
     lifted.localRotations[1] = glm::angleAxis(0.5f, Vec3f(0, 0, 1));
@@ -106,10 +114,10 @@ TEST(ClothWeights, aSkirtGoesWithAThighThatWouldComeThroughIt) {
     Jobs jobs(2);
     std::vector<Mat3x4f> atRest;
     jointTransforms(joints, Pose::rest(joints.size()), atRest);
-    const ClothWeights held = must(clothWeights(skirt, body, joints, atRest, jobs));
+    const ClothWeights held = must(weightsOf(skirt, body, joints, atRest, jobs));
     std::vector<JointData> nameless = joints;  // no humanoid bones, so no stress poses
     for (JointData& j : nameless) j.name = j.humanoidBone = "";
-    const ClothWeights free = must(clothWeights(skirt, body, nameless, atRest, jobs));
+    const ClothWeights free = must(weightsOf(skirt, body, nameless, atRest, jobs));
 
     Pose stride = Pose::rest(joints.size());
     stride.localRotations[1] = glm::angleAxis(-0.6f, Vec3f(1, 0, 0)), stride.localRotations[2] = glm::angleAxis(0.35f, Vec3f(1, 0, 0));
@@ -144,7 +152,7 @@ struct HandOnHip {
         Jobs jobs(2);
         std::vector<Mat3x4f> world;
         jointTransforms(joints, Pose::rest(joints.size()), world);
-        const ClothWeights weights = must(clothWeights(piece, body, joints, world, jobs));
+        const ClothWeights weights = must(weightsOf(piece, body, joints, world, jobs));
         int most = 0;
         for (size_t v = 0; v < piece.positions.size(); ++v)
             for (int k = 0; k < 4; ++k)
