@@ -9,9 +9,13 @@ namespace dpl {
 void restShouldersAsScanned(BodyModel& shaped, BodyFit& fit) {
     const size_t jointCount = shaped.joints.size();
     Pose turned = Pose::rest(jointCount);
-    for (const char* bone : {"leftShoulder", "rightShoulder"})
-        if (const int32_t joint = findHumanoid(shaped, bone); joint >= 0)
-            turned.localRotations[size_t(joint)] = glm::normalize(fit.staticPose.localRotations[size_t(joint)]);
+    for (const std::string side : {"left", "right"}) {
+        const int32_t shoulder = findHumanoid(shaped, side + "Shoulder"), arm = findHumanoid(shaped, side + "UpperArm");
+        if (shoulder < 0) continue;
+        const Quatf turn = glm::normalize(fit.staticPose.localRotations[size_t(shoulder)]);
+        turned.localRotations[size_t(shoulder)] = turn;
+        if (arm >= 0 && shaped.joints[size_t(arm)].parent == shoulder) turned.localRotations[size_t(arm)] = glm::conjugate(turn);
+    }
     std::vector<Mat3x4f> moved;  // to the new rest pose from the old one
     jointTransforms(shaped.joints, turned, moved);
 

@@ -46,7 +46,7 @@ Result<FittedBody> runBodyFit(const StageRun& run, const IngestedScan& ingested,
                                    {"training", ingested.trainingHash},
                                    {"body", chosen.hash},
                                    {"settings", fieldsJson(settings)}};
-    DPL_TRY(const StageOutput stage, run.chain.run("body-fit", 10, inputs, [&](StageContext& context) -> Status {
+    DPL_TRY(const StageOutput stage, run.chain.run("body-fit", 11, inputs, [&](StageContext& context) -> Status {
         settings.progress = [&](double fraction, std::string_view what) {
             context.progress.update(fraction, what);
             return !context.progress.cancelled();

@@ -84,7 +84,7 @@ Result<ReconstructResult> reconstructWithTruth(const ReconstructOptions& options
     DPL_TRY(ChosenBody chosen, chooseBody({}, jobs));
     DPL_TRY(const std::string truth, hashFile(ingested.scan.root / "truth.json"));
     const nlohmann::json inputs = {{"truth", truth}, {"training", ingested.trainingHash}, {"body", chosen.hash}};
-    DPL_TRY(const StageOutput stage, chain.run("body-fit", 2, inputs, [&](StageContext& context) -> Status {
+    DPL_TRY(const StageOutput stage, chain.run("body-fit", 3, inputs, [&](StageContext& context) -> Status {
         DPL_TRY(const BodyFit fit, fitFromTruth(ingested.scan, chosen.body));
         return writeFileAtomically(context.folder / "fit.json", fitToJson(fit));
     }));

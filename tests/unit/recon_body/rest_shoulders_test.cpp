@@ -61,13 +61,21 @@ TEST(RestShoulders, everyPoseStaysWhereItWas) {
 }
 
 TEST(RestShoulders, theStillPoseTurnsNoShoulder) {
-    BodyModel body = smallBody();
+    const auto place = [](const BodyModel& body, const std::string& bone) {
+        return body.joints[size_t(findHumanoid(body, bone))].restPosition;
+    };
+    const BodyModel was = smallBody();
+    BodyModel body = was;
     BodyFit fit = anyFit(body, 1);
-    const Vec3f before = body.joints[size_t(findHumanoid(body, "leftUpperArm"))].restPosition;
     restShouldersAsScanned(body, fit);
     for (const char* bone : {"leftShoulder", "rightShoulder"})
         EXPECT_GT(std::abs(fit.staticPose.localRotations[size_t(findHumanoid(body, bone))].w), 1 - 1e-6f) << bone;
-    EXPECT_GT(glm::length(body.joints[size_t(findHumanoid(body, "leftUpperArm"))].restPosition - before), 0.01f);
+    EXPECT_GT(glm::length(place(body, "leftUpperArm") - place(was, "leftUpperArm")), 0.01f);
+    for (const std::string side : {"left", "right"})
+        EXPECT_LT(glm::length(place(body, side + "LowerArm") - place(body, side + "UpperArm") -
+                              (place(was, side + "LowerArm") - place(was, side + "UpperArm"))),
+                  1e-6f)
+            << "arms keep their direction";
 }
 
 TEST(RestShoulders, aBodyWithoutShouldersStays) {
