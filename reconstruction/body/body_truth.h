@@ -29,7 +29,7 @@ struct TruthComparison {
     bool sameBody = false;                            // truth.json states that the subject was made from the same template
 };
 
-/** Reads scanRoot/truth.json (keypoints_world) and compares the poses of `shaped` in `fit`. NotFound when the scan has no truth. */
+/** Reads scanRoot/truth.json (keypoints_world) and compares `shaped` in the poses of `fit`. NotFound when the scan has no truth. */
 Result<TruthComparison> compareWithTruth(const std::filesystem::path& scanRoot, const Scan& scan, const BodyModel& shaped,
                                          const BodyFit& fit);
 

@@ -8,11 +8,11 @@
 
 namespace dpl {
 
-/** Makes the shoulders (humanoid leftShoulder and rightShoulder) of fit.staticPose those of the rest pose. Arms keep their
- *  direction: in lower ones armpits would be crowded at rest. Joints and vertices of `shaped` move to where these turns take them. Poses
- * and landmark offsets of `fit` are rewritten for the new rest pose, so every bone stays where it was:  R'_j = C_parent R_j C_jᵀ,  with C_j
- * the world rotation of joint j when these alone turn. `shaped` has its final shape: its morphs are not turned. A body without shoulders
- * stays as it is. */
+/** Makes the shoulders (humanoid leftShoulder and rightShoulder) of fit.staticPose those of the rest pose. Arms keep their direction at
+ *  rest, because lower arms would crowd the armpits. Joints and vertices of `shaped` move to where these turns take them. Poses and
+ *  landmark offsets of `fit` are rewritten for the new rest pose, so that every bone stays where it was:
+ *      R'_j = C_parent R_j C_jᵀ,   C_j: world rotation of joint j when these turns alone are made
+ *  The morphs are not turned, so `shaped` must have its final shape. A body without shoulders stays as it is. */
 void restShouldersAsScanned(BodyModel& shaped, BodyFit& fit);
 
 }  // namespace dpl

@@ -23,13 +23,13 @@ struct ClothWeights {
     float largestStep = 0;             // of a joint's weight along an edge
 };
 
-/** below: of each vertex, wornBodyBelow(). worldFromRest: of every joint, in the pose that `piece` is in. `body` is at rest. Where cloth
- * sinks into the body in a stress pose (stress_poses.h), it follows the body more closely. Errors: Internal when the sparse solve fails. */
+/** below: of each vertex, wornBodyBelow(). worldFromRest: of every joint, in the pose that `piece` is in. `body` is at rest. Cloth that
+ *  sinks into the body in a stress pose (stress_poses.h) follows the body more closely. Errors: Internal when the sparse solve fails. */
 Result<ClothWeights> clothWeights(const SurfaceMesh& piece, std::span<const SurfacePoint> below, const MeshData& body,
                                   std::span<const JointData> joints, std::span<const Mat3x4f> worldFromRest, Jobs& jobs);
 
-/** Rest positions of posed vertices: the inverse of linear blend skinning. Where opposing joints cancel (|det| ≤ 0.25) a vertex moves with
- *  its neighbours. worldFromRest: of every joint. */
+/** Rest positions of posed vertices: the inverse of linear blend skinning. A vertex whose opposing joints cancel (|det| ≤ 0.25) moves
+ *  with its neighbours. worldFromRest: of every joint. */
 std::vector<Vec3f> unposed(const SurfaceMesh& posed, const ClothWeights& weights, std::span<const Mat3x4f> worldFromRest);
 
 }  // namespace dpl

@@ -10,6 +10,7 @@
 
 #include <gtest/gtest.h>
 
+#include "capsule.h"
 #include "reconstruction/shape/closest_surface.h"
 #include "reconstruction/shape/implicit_mesh.h"
 #include "reconstruction/surface/mesh_raster.h"
@@ -19,11 +20,6 @@ namespace {
 
 constexpr uint8_t kSkin = 1, kTop = 2, kSkirt = 3, kShoes = 5, kBadge = 6, kBelt = 7;
 constexpr float kHemY = 0.33f, kWaistY = 0.95f;
-
-float capsule(const Vec3f& p, const Vec3f& a, const Vec3f& b, float radius) {
-    const float t = std::clamp(glm::dot(p - a, b - a) / glm::dot(b - a, b - a), 0.0f, 1.0f);
-    return glm::length(p - a - t * (b - a)) - radius;
-}
 
 float bodyField(const Vec3f& p) {
     const Vec3f side(std::abs(p.x), p.y, p.z);

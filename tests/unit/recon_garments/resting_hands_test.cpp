@@ -8,6 +8,8 @@
 
 #include <gtest/gtest.h>
 
+#include "capsule.h"
+
 namespace dpl {
 namespace {
 
@@ -19,10 +21,8 @@ constexpr Bone kTrunk{{0, 0.9f, 0}, {0, 1.35f, 0}, 0.13f}, kUpperArm{{0.16f, 1.4
     kForearm{{0.4f, 1.2f, 0}, {0.17f, 1.0f, 0}, 0.035f};
 constexpr uint16_t kOnTrunk = 0, kOnUpperArm = 1, kOnForearm = 2;
 
-float capsule(const Vec3f& p, const Bone& bone, float moreM = 0) {
-    const Vec3f a = bone.from, b = bone.to;
-    const float t = std::clamp(glm::dot(p - a, b - a) / glm::dot(b - a, b - a), 0.0f, 1.0f);
-    return glm::length(p - a - t * (b - a)) - bone.radius - moreM;
+float limb(const Vec3f& p, const Bone& bone, float moreM = 0) {
+    return capsule(p, bone.from, bone.to, bone.radius + moreM);
 }
 
 SurfaceMesh meshOf(const ScalarField& field) {
@@ -41,12 +41,12 @@ struct Person {
     Person() {
         uint16_t joint = 0;
         for (const Bone& bone : {kTrunk, kUpperArm, kForearm}) {
-            const SurfaceMesh limb = meshOf([&](const Vec3f& p) { return capsule(p, bone); });
+            const SurfaceMesh skin = meshOf([&](const Vec3f& p) { return limb(p, bone); });
             const auto first = uint32_t(body.restPositions.size());
-            body.restPositions.insert(body.restPositions.end(), limb.positions.begin(), limb.positions.end());
+            body.restPositions.insert(body.restPositions.end(), skin.positions.begin(), skin.positions.end());
             body.jointIndices.resize(body.restPositions.size(), {joint, 0, 0, 0});
             body.jointWeights.resize(body.restPositions.size(), {255, 0, 0, 0});
-            for (const Triangle& t : limb.triangles) body.triangles.push_back(t + first);
+            for (const Triangle& t : skin.triangles) body.triangles.push_back(t + first);
             ++joint;
         }
     }
@@ -67,7 +67,7 @@ struct Person {
 TEST(RestingHands, aSleeveIsNotJoinedToTheHipThatItTouches) {
     const Person person;
     const SurfaceMesh jacket = meshOf([](const Vec3f& p) {
-        return std::min({capsule(p, kTrunk, 0.02f), capsule(p, kUpperArm, 0.02f), capsule(p, kForearm, 0.02f)});
+        return std::min({limb(p, kTrunk, 0.02f), limb(p, kUpperArm, 0.02f), limb(p, kForearm, 0.02f)});
     });
     const WornPiece joined{jacket, person.below(jacket)}, apart = person.apart(jacket);
     ASSERT_GT(person.joins(joined, kOnTrunk, kOnForearm), 20u) << "the case must be hard";
@@ -98,7 +98,7 @@ TEST(RestingHands, aCapeOverArmAndTrunkStaysWhole) {
 
 TEST(RestingHands, trousersThatAHandTouchesStayWhole) {
     const Person person;
-    const SurfaceMesh trousers = meshOf([](const Vec3f& p) { return std::max(capsule(p, kTrunk, 0.02f), p.y - 1.05f); });
+    const SurfaceMesh trousers = meshOf([](const Vec3f& p) { return std::max(limb(p, kTrunk, 0.02f), p.y - 1.05f); });
     EXPECT_EQ(person.apart(trousers).mesh.positions.size(), trousers.positions.size());
 }
 
