@@ -7,6 +7,7 @@
 
 #include "reconstruction/garments/cloth_faults.h"
 #include "reconstruction/package/avatar_bytes.h"
+#include "sdk/avatar/body_shape.h"
 #include "sdk/avatar/clip.h"
 #include "sdk/avatar/retarget.h"
 #include "sdk/core/files.h"
@@ -29,7 +30,10 @@ Result<std::string> clothesInMotion(const std::filesystem::path& path, const std
     DPL_TRY(const auto clipBytes, readFile(clipPath, uint64_t(512) << 20));
     const auto motion = readMotion(clipBytes, clipPath.stem().string());
     if (!motion) return inFile(clipPath, motion.error());
-    const auto clip = retarget(*motion, avatar->joints);
+    const BodyShape body = BodyShape::of(avatar->joints, avatar->mesh);  // arms give way, as in dplLoadClip
+    RetargetOptions played;
+    played.body = &body;
+    const auto clip = retarget(*motion, avatar->joints, played);
     if (!clip) return inFile(clipPath, clip.error());
     const double duration = clipDurationS(*clip);
     const size_t count = std::clamp(size_t(duration * kPosesPerSecond) + 1, size_t(1), kMostPoses);

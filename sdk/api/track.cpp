@@ -80,7 +80,7 @@ DplResult dplCreateTracker(DplAvatar avatar, const DplTrackerInfo* info, DplTrac
         options.inPlace = (wanted.flags & DPL_TRACKER_IN_PLACE) != 0;
         auto slot = std::make_shared<TrackerSlot>();
         DPL_TRY(slot->tracker, Tracker::create(found->data->joints, TrackFormat(wanted.format), options, rest));
-        slot->tracker->guardHands(BodyShape::of(found->data->joints, found->data->mesh));
+        slot->tracker->guardArms(BodyShape::of(found->data->joints, found->data->mesh));
         slot->avatar = avatar;
         slot->overPose = (wanted.flags & DPL_TRACKER_OVER_POSE) != 0;
         *tracker = reinterpret_cast<DplTracker>(trackers().add(std::move(slot)));

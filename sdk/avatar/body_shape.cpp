@@ -15,7 +15,7 @@ namespace {
 constexpr float kTau = 6.2831853f;
 constexpr size_t kLeastVertices = 12;
 constexpr float kTaperM = 0.03f;  // at the ends of a tube its depth falls to zero over this length
-constexpr float kLeastHandM = 0.008f, kMostHandM = 0.03f, kMostArmM = 0.06f;
+constexpr float kLeastHandM = 0.008f, kMostHandM = 0.03f, kMostLowerArmM = 0.06f, kMostUpperArmM = 0.08f;
 constexpr int kRounds = 4;
 constexpr float kFingerShare = 0.65f;  // thickness of a finger over that of the palm
 constexpr float kTouchM = 0.0005f;     // less than this deep is touching
@@ -32,6 +32,17 @@ float percentile(std::vector<float>& values, float share) {
     const auto at = values.begin() + std::ptrdiff_t(share * float(values.size() - 1));
     std::nth_element(values.begin(), at, values.end());
     return *at;
+}
+
+/** Median distance of a joint's vertices from the bone between two points, metres; none where the mesh or the bone is too small. */
+std::optional<float> thicknessOf(const MeshData& mesh, size_t joint, const Vec3f& from, const Vec3f& to) {
+    if (!(glm::length(to - from) > 0.01f)) return std::nullopt;
+    std::vector<float> distances;
+    for (size_t v = 0; v < mesh.restPositions.size(); ++v)
+        if (ownerOf(mesh, v) == joint)
+            distances.push_back(glm::length(glm::cross(mesh.restPositions[v] - from, glm::normalize(to - from))));
+    if (distances.size() < kLeastVertices) return std::nullopt;
+    return percentile(distances, 0.5f);
 }
 
 }  // namespace
@@ -109,24 +120,22 @@ BodyShape BodyShape::of(std::span<const JointData> joints, const MeshData& mesh)
     for (size_t side = 0; side < 2; ++side) {
         const std::string s = side == 0 ? "left" : "right";
         add(s + "UpperLeg", {s + "LowerLeg"});
-        const auto hand = findBone(bones, s + "Hand"), lower = findBone(bones, s + "LowerArm"),
+        const auto hand = findBone(bones, s + "Hand"), lower = findBone(bones, s + "LowerArm"), upper = findBone(bones, s + "UpperArm"),
                    index = findBone(bones, s + "IndexProximal"), little = findBone(bones, s + "LittleProximal");
         if (!hand || !lower) continue;
         const Vec3f wrist = joints[*hand].restPosition, elbow = joints[*lower].restPosition;
+        shape.lowerArmM_[side] = std::min(thicknessOf(mesh, *lower, elbow, wrist).value_or(shape.lowerArmM_[side]), kMostLowerArmM);
+        if (upper)
+            shape.upperArmM_[side] =
+                std::min(thicknessOf(mesh, *upper, joints[*upper].restPosition, elbow).value_or(shape.upperArmM_[side]), kMostUpperArmM);
         Vec3f normal(0);
         if (index && little) normal = glm::cross(joints[*index].restPosition - wrist, joints[*little].restPosition - wrist);
-        std::vector<float> thick, wide;
-        for (size_t v = 0; v < mesh.restPositions.size(); ++v) {
-            const auto owner = ownerOf(mesh, v);
-            if (!owner) continue;
-            const Vec3f p = mesh.restPositions[v];
-            if (*owner == *hand && glm::length(normal) > 1e-6f) thick.push_back(glm::dot(p - wrist, glm::normalize(normal)));
-            if (*owner == *lower && glm::length(wrist - elbow) > 0.01f)
-                wide.push_back(glm::length(glm::cross(p - elbow, glm::normalize(wrist - elbow))));
-        }
+        if (!(glm::length(normal) > 1e-6f)) continue;
+        std::vector<float> thick;
+        for (size_t v = 0; v < mesh.restPositions.size(); ++v)
+            if (ownerOf(mesh, v) == *hand) thick.push_back(glm::dot(mesh.restPositions[v] - wrist, glm::normalize(normal)));
         if (thick.size() >= kLeastVertices)
             shape.handM_[side] = std::clamp(0.5f * (percentile(thick, 0.9f) - percentile(thick, 0.1f)), kLeastHandM, kMostHandM);
-        if (wide.size() >= kLeastVertices) shape.lowerArmM_[side] = std::min(percentile(wide, 0.5f), kMostArmM);
     }
     return shape;
 }
@@ -149,7 +158,7 @@ std::optional<BodyShape::Inside> BodyShape::inside(const Vec3f& centre, float ra
     return deepest;
 }
 
-HandGuard::HandGuard(BodyShape body, std::span<const JointData> joints) : body_(std::move(body)), joints_(joints) {
+ArmGuard::ArmGuard(BodyShape body, std::span<const JointData> joints) : body_(std::move(body)), joints_(joints) {
     if (body_.empty()) return;
     const BoneMap bones = bonesOf(joints);
     for (size_t side = 0; side < 2; ++side) {
@@ -158,33 +167,36 @@ HandGuard::HandGuard(BodyShape body, std::span<const JointData> joints) : body_(
         if (!upper || !lower || !hand || joints[*upper].parent < 0 || joints[*hand].parent != int32_t(*lower) ||
             joints[*lower].parent != int32_t(*upper))
             continue;
-        const Vec3f wrist = joints[*hand].restPosition, elbow = joints[*lower].restPosition;
+        const Vec3f shoulder = joints[*upper].restPosition, elbow = joints[*lower].restPosition, wrist = joints[*hand].restPosition;
         Arm& arm = arms_[side];
         arm.upper = *upper, arm.lower = *lower, arm.hand = *hand;
         const float thickM = body_.handM(side);
-        arm.balls = {{*hand, wrist, thickM, 1}, {*lower, 0.5f * (elbow + wrist), body_.lowerArmM(side), 0.7f}};
+        arm.elbowBalls = {{*lower, elbow, kFirmShare * body_.lowerArmM(side), 1},
+                          {*upper, 0.5f * (shoulder + elbow), kFirmShare * body_.upperArmM(side), 0.5f}};
+        arm.wristBalls = {{*hand, wrist, thickM, 1}, {*lower, 0.5f * (elbow + wrist), body_.lowerArmM(side), 0.7f}};
         for (const char* finger : {"Index", "Middle", "Little"}) {
             const auto proximal = findBone(bones, s + finger + "Proximal"), middle = findBone(bones, s + finger + "Intermediate"),
                        distal = findBone(bones, s + finger + "Distal");
             if (!proximal || !middle || !distal) continue;
             const Vec3f last = joints[*distal].restPosition;
-            arm.balls.push_back({*hand, joints[*proximal].restPosition, thickM, 1});
-            arm.balls.push_back({*proximal, joints[*middle].restPosition, kFingerShare * thickM, 1});
-            arm.balls.push_back({*distal, last + 0.5f * (last - joints[*middle].restPosition), kFingerShare * thickM, 1});
+            arm.wristBalls.push_back({*hand, joints[*proximal].restPosition, thickM, 1});
+            arm.wristBalls.push_back({*proximal, joints[*middle].restPosition, kFingerShare * thickM, 1});
+            arm.wristBalls.push_back({*distal, last + 0.5f * (last - joints[*middle].restPosition), kFingerShare * thickM, 1});
         }
     }
 }
 
-/** By how much a wrist must move so that no ball of its arm lies in the body. */
-Vec3f HandGuard::pushFor(const Arm& arm) const {
+/** By how much a joint must move so that none of the balls lies in the body. `swing` has turned them about the shoulder. */
+Vec3f ArmGuard::pushFor(std::span<const Ball> balls, const Vec3f& shoulder, const Quatf& swing) const {
     Vec3f push(0);
     for (int round = 0; round < kRounds; ++round) {
         float deepest = kTouchM;
         Vec3f step(0);
-        for (const Ball& ball : arm.balls) {
-            const Vec3f centre = world_[ball.joint] * Vec4f(ball.rest, 1) + ball.share * push;
+        for (const Ball& ball : balls) {
+            const Vec3f unmoved = world_[ball.joint] * Vec4f(ball.rest, 1);
+            const Vec3f centre = shoulder + swing * (unmoved - shoulder) + ball.share * push;
             const auto in = body_.inside(centre, ball.radiusM, world_);
-            if (in && in->depthM > deepest) deepest = in->depthM, step = in->outward * in->depthM;
+            if (in && in->depthM > deepest) deepest = in->depthM, step = in->outward * (in->depthM / ball.share);
         }
         if (step == Vec3f(0)) break;
         push += step;
@@ -193,29 +205,45 @@ Vec3f HandGuard::pushFor(const Arm& arm) const {
     return length > kFarthestPushM ? push * (kFarthestPushM / length) : push;
 }
 
-HandGuard::Pushes HandGuard::pushes(const Pose& pose) {
-    Pushes out{Vec3f(0), Vec3f(0)};
-    if (body_.empty()) return out;
-    jointTransforms(joints_, pose, world_);
-    for (size_t side = 0; side < 2; ++side) out[side] = pushFor(arms_[side]);
-    return out;
+/** The turn about the shoulder that moves the elbow towards where it is pushed. */
+Quatf ArmGuard::swingFor(const Arm& arm, const Vec3f& elbowPush) const {
+    const Vec3f along = jointAt(arm.lower) - jointAt(arm.upper);
+    return shortestTurn(along, along + elbowPush);
 }
 
-void HandGuard::push(const Pushes& pushes, Pose& pose) {
-    if (pushes[0] == Vec3f(0) && pushes[1] == Vec3f(0)) return;
+Vec3f ArmGuard::jointAt(size_t joint) const {
+    return world_[joint] * Vec4f(joints_[joint].restPosition, 1);
+}
+
+ArmGuard::Pushes ArmGuard::pushes(const Pose& pose) {
+    Pushes out{};
+    if (body_.empty()) return out;
     jointTransforms(joints_, pose, world_);
     for (size_t side = 0; side < 2; ++side) {
         const Arm& arm = arms_[side];
-        if (arm.balls.empty() || pushes[side] == Vec3f(0)) continue;
-        const auto at = [&](size_t joint) { return world_[joint] * Vec4f(joints_[joint].restPosition, 1); };
+        if (arm.wristBalls.empty()) continue;
+        const Vec3f shoulder = jointAt(arm.upper);
+        out[side].elbow = pushFor(arm.elbowBalls, shoulder, Quatf(1, 0, 0, 0));
+        out[side].wrist = pushFor(arm.wristBalls, shoulder, swingFor(arm, out[side].elbow));
+    }
+    return out;
+}
+
+void ArmGuard::push(const Pushes& pushes, Pose& pose) {
+    for (size_t side = 0; side < 2; ++side) {
+        const Arm& arm = arms_[side];
+        if (arm.wristBalls.empty() || pushes[side].none()) continue;
+        jointTransforms(joints_, pose, world_);
         const auto turned = [&](size_t joint) { return glm::normalize(glm::quat_cast(Mat3f(world_[joint]))); };
-        const Quatf above = turned(size_t(joints_[arm.upper].parent));
-        const Vec3f out = above * Vec3f(side == 0 ? 1.0f : -1.0f, 0, -0.5f);
-        const auto turn = reachWith({at(arm.upper), at(arm.lower), at(arm.hand)}, at(arm.hand) + pushes[side], out);
-        const Quatf upper = turn[0] * turned(arm.upper), lower = turn[1] * turned(arm.lower);
+        const Quatf above = turned(size_t(joints_[arm.upper].parent)), swing = swingFor(arm, pushes[side].elbow);
+        const Vec3f shoulder = jointAt(arm.upper), out = above * Vec3f(side == 0 ? 1.0f : -1.0f, 0, -0.5f);
+        const auto swung = [&](size_t joint) { return shoulder + swing * (jointAt(joint) - shoulder); };
+        const Vec3f elbow = swung(arm.lower), wrist = swung(arm.hand);
+        const auto turn = reachWith({shoulder, elbow, wrist}, wrist + pushes[side].wrist, out);
+        const Quatf upper = turn[0] * swing * turned(arm.upper), lower = turn[1] * swing * turned(arm.lower);
         pose.localRotations[arm.upper] = glm::normalize(glm::conjugate(above) * upper);
         pose.localRotations[arm.lower] = glm::normalize(glm::conjugate(upper) * lower);
-        pose.localRotations[arm.hand] = glm::normalize(glm::conjugate(lower) * turned(arm.hand));
+        pose.localRotations[arm.hand] = glm::normalize(glm::conjugate(lower) * swing * turned(arm.hand));
     }
 }
 

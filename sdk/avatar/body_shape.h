@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// How wide an avatar's trunk and thighs are, so that hands can be kept out of them. Formulas: docs/reference/driving.md.
+// How wide an avatar's trunk and thighs are, so that arms can be kept out of them. Formulas: docs/reference/driving.md.
 #pragma once
 
 #include <array>
@@ -27,9 +27,10 @@ public:
     /** The deepest place of a ball in the posed body; none if it touches nothing. worldFromRest: jointTransforms of the pose. */
     std::optional<Inside> inside(const Vec3f& centre, float radiusM, std::span<const Mat3x4f> worldFromRest) const;
 
-    /** Half of the thickness of the hand, and the radius of the lower arm, metres. side: 0 left, 1 right. */
+    /** Half of the thickness of the hand, and the radii of the lower and the upper arm, metres. side: 0 left, 1 right. */
     float handM(size_t side) const { return handM_[side]; }
     float lowerArmM(size_t side) const { return lowerArmM_[side]; }
+    float upperArmM(size_t side) const { return upperArmM_[side]; }
 
 private:
     static constexpr size_t kAround = 24, kAlong = 10;
@@ -45,30 +46,39 @@ private:
     static std::optional<Tube> tubeOf(std::span<const JointData> joints, const MeshData& mesh, size_t joint, const Vec3f& to);
 
     std::vector<Tube> tubes_;
-    float handM_[2] = {0.015f, 0.015f}, lowerArmM_[2] = {0.04f, 0.04f};
+    float handM_[2] = {0.015f, 0.015f}, lowerArmM_[2] = {0.04f, 0.04f}, upperArmM_[2] = {0.05f, 0.05f};
 };
 
-/** Moves wrists out of the body, so that palms, fingers and lower arms touch it instead of cutting through. Hands keep their rotation,
- * elbows bend. A hand moves by at most kFarthestPushM. */
+/** Moves arms out of the body, so that they touch it instead of cutting through: first the arm swings about the shoulder until upper arm
+ *  and elbow are free, then the elbow bends until lower arm, palm and fingers are. Hands turn with the swing, and keep their rotation while
+ *  the elbow bends. Elbow and wrist are each pushed by at most kFarthestPushM. */
 constexpr float kFarthestPushM = 0.15f;
+/** Upper arms and ribs give way to each other: upper arm and elbow count with this share of their radius. */
+constexpr float kFirmShare = 0.6f;
 
-class HandGuard {
+class ArmGuard {
 public:
     /** body: of that rig. The joints must outlive this. An empty body guards nothing. */
-    HandGuard(BodyShape body, std::span<const JointData> joints);
+    ArmGuard(BodyShape body, std::span<const JointData> joints);
 
     /** Whether the rig has this arm, and its upper joint. side: 0 left, 1 right. */
     std::optional<size_t> upperArm(size_t side) const {
-        return arms_[side].balls.empty() ? std::nullopt : std::optional(arms_[side].upper);
+        return arms_[side].wristBalls.empty() ? std::nullopt : std::optional(arms_[side].upper);
     }
-    /** By how much the left and the right wrist must move, metres, world. The pose must have passed checkPose. */
-    using Pushes = std::array<Vec3f, 2>;
+    /** By how much elbow and wrist of an arm must move, metres, world. The elbow takes the wrist along; the wrist's push comes on top. */
+    struct Push {
+        Vec3f elbow{0}, wrist{0};
+
+        bool none() const { return elbow == Vec3f(0) && wrist == Vec3f(0); }
+    };
+    using Pushes = std::array<Push, 2>;  // left, right
+    /** The pose must have passed checkPose. */
     Pushes pushes(const Pose& pose);
-    /** Moves the wrists. Pushes of 0 change nothing. */
+    /** Moves the arms. Pushes of 0 change nothing. */
     void push(const Pushes& pushes, Pose& pose);
 
 private:
-    /** A ball of the arm: its centre is a point of a joint at rest, and moves by `share` of what the wrist moves. */
+    /** A ball of the arm: its centre is a point of a joint at rest, and moves by `share` of what elbow or wrist moves. */
     struct Ball {
         size_t joint = 0;
         Vec3f rest{0};
@@ -76,9 +86,11 @@ private:
     };
     struct Arm {
         size_t upper = 0, lower = 0, hand = 0;
-        std::vector<Ball> balls;  // none: the rig lacks the arm
+        std::vector<Ball> elbowBalls, wristBalls;  // none: the rig lacks the arm
     };
-    Vec3f pushFor(const Arm& arm) const;
+    Vec3f pushFor(std::span<const Ball> balls, const Vec3f& shoulder, const Quatf& swing) const;
+    Quatf swingFor(const Arm& arm, const Vec3f& elbowPush) const;
+    Vec3f jointAt(size_t joint) const;
 
     BodyShape body_;
     std::span<const JointData> joints_;

@@ -73,7 +73,7 @@ public:
         for (size_t k = first; k < motion_.keyCount(); ++k) addKey(k, clip, clearance);
         place(options, clearance, clip);
         if (options.plantFeet) plantFeet(target_, clip);
-        if (options.body) pushHandsOut(*options.body, clip);
+        if (options.body) pushArmsOut(*options.body, clip);
         for (const ClipChannel& channel : clip.channels)
             for (const Quatf& q : channel.rotations)
                 if (!std::isfinite(q.w + q.x + q.y + q.z))
@@ -159,9 +159,9 @@ private:
     }
 
     /** Each hand moves by the largest push within kPushS of a key, averaged over the same time: it starts early and stays smooth. */
-    void pushHandsOut(const BodyShape& body, ClipData& clip) const {
+    void pushArmsOut(const BodyShape& body, ClipData& clip) const {
         constexpr float kPushS = 0.25f;
-        HandGuard hands(body, target_);
+        ArmGuard arms(body, target_);
         const size_t count = clip.timesS.size();
         const auto poseAt = [&](size_t k) {
             Pose pose = Pose::rest(target_.size());
@@ -169,27 +169,32 @@ private:
             if (!clip.rootTranslations.empty()) pose.rootTranslation = clip.rootTranslations[k];
             return pose;
         };
-        std::vector<HandGuard::Pushes> needed(count), largest(count);
-        for (size_t k = 0; k < count; ++k) needed[k] = hands.pushes(poseAt(k));
+        std::vector<ArmGuard::Pushes> needed(count), largest(count);
+        for (size_t k = 0; k < count; ++k) needed[k] = arms.pushes(poseAt(k));
         const auto within = [&](size_t k, auto&& visit) {
             for (size_t n = k; n < count && clip.timesS[n] - clip.timesS[k] <= kPushS; ++n) visit(n);
             for (size_t n = k; n > 0 && clip.timesS[k] - clip.timesS[n - 1] <= kPushS; --n) visit(n - 1);
         };
+        const auto enlarge = [](Vec3f& push, const Vec3f& other) {
+            if (glm::length(other) > glm::length(push)) push = other;
+        };
         for (size_t side = 0; side < 2; ++side)
             for (size_t k = 0; k < count; ++k) {
-                largest[k][side] = needed[k][side];
-                within(k, [&](size_t n) {
-                    if (glm::length(needed[n][side]) > glm::length(largest[k][side])) largest[k][side] = needed[n][side];
-                });
+                ArmGuard::Push& most = largest[k][side];
+                within(k, [&](size_t n) { enlarge(most.elbow, needed[n][side].elbow), enlarge(most.wrist, needed[n][side].wrist); });
             }
         for (size_t k = 0; k < count; ++k) {
-            HandGuard::Pushes mean{Vec3f(0), Vec3f(0)};
+            ArmGuard::Pushes mean{};
             float visited = 0;
-            within(k, [&](size_t n) { mean[0] += largest[n][0], mean[1] += largest[n][1], ++visited; });
-            for (Vec3f& push : mean) push /= visited;
-            if (mean[0] == Vec3f(0) && mean[1] == Vec3f(0)) continue;
+            within(k, [&](size_t n) {
+                for (size_t side = 0; side < 2; ++side)
+                    mean[side].elbow += largest[n][side].elbow, mean[side].wrist += largest[n][side].wrist;
+                ++visited;
+            });
+            for (ArmGuard::Push& push : mean) push.elbow /= visited, push.wrist /= visited;
+            if (mean[0].none() && mean[1].none()) continue;
             Pose pose = poseAt(k);
-            hands.push(mean, pose);
+            arms.push(mean, pose);
             for (ClipChannel& channel : clip.channels) {
                 const Quatf& q = pose.localRotations[channel.joint];
                 channel.rotations[k] = k > 0 && glm::dot(channel.rotations[k - 1], q) < 0 ? -q : q;

@@ -2,7 +2,7 @@
 // Transfers the motion of one skeleton to another rig by humanoid bone names.
 //
 // Directions are exact (bone_follower.h).
-// What then still looks wrong is corrected last, by options: heads that do not look ahead, feet that slide, hands in hips.
+// What then still looks wrong is corrected last, by options: heads that do not look ahead, feet that slide, arms in the trunk.
 #pragma once
 
 #include <span>
@@ -21,7 +21,7 @@ struct RetargetOptions {
     bool groundFeet = true;           // shifts the clip vertically so that the lowest foot is as high as at rest
     bool levelHead = true;            // turns the head by a constant, so that people who walk or run look ahead
     bool plantFeet = true;            // holds feet in place while they stand (plant_feet.h)
-    const BodyShape* body = nullptr;  // of the target: hands are kept out of it; null: they are not
+    const BodyShape* body = nullptr;  // of the target: arms are kept out of it; null: they are not
 };
 
 /** The motion as a clip on `target`. It has channels for the bones that both skeletons have. Other joints keep their local rest rotation,

@@ -376,12 +376,15 @@ void Tracker::pose(int64_t timeNs, bool holdsPlace, Pose& pose) {
     shownNs_ = timeNs, shown_ = true;
     rootShown_ = pose.rootTranslation;
     if (guard_) {
-        HandGuard::Pushes needed = guard_->pushes(pose);
+        ArmGuard::Pushes needed = guard_->pushes(pose);
         for (size_t side = 0; side < 2; ++side) {
             const auto arm = guard_->upperArm(side);
-            if (!arm || drivers_[*arm] == 0) needed[side] = Vec3f(0);  // the pose beneath is the program's own
-            pushed_[side] += (1 - std::exp(-stepS / kPushS)) * (needed[side] - pushed_[side]);
-            if (glm::length(pushed_[side]) < 1e-5f) pushed_[side] = Vec3f(0);
+            if (!arm || drivers_[*arm] == 0) needed[side] = {};  // the pose beneath is the program's own
+            const auto follow = [&](Vec3f& pushed, const Vec3f& wanted) {
+                pushed += (1 - std::exp(-stepS / kPushS)) * (wanted - pushed);
+                if (glm::length(pushed) < 1e-5f) pushed = Vec3f(0);
+            };
+            follow(pushed_[side].elbow, needed[side].elbow), follow(pushed_[side].wrist, needed[side].wrist);
         }
         guard_->push(pushed_, pose);
     }

@@ -45,8 +45,8 @@ public:
     /** InvalidArgument: spans that do not fit the format. CorruptData: the frame contradicts itself or the rest; it is dropped. */
     Status add(const TrackFrame& frame);
 
-    /** Hands are kept out of this body from now on. */
-    void guardHands(const BodyShape& body) { guard_.emplace(body, joints_); }
+    /** Arms are kept out of this body from now on. */
+    void guardArms(const BodyShape& body) { guard_.emplace(body, joints_); }
 
     /** pose: the one beneath, of the rig's size; replaced by what shall be shown at timeNs. `holdsPlace`: where nothing is tracked, the
      * root stays where it was shown last instead of that of the pose. */
@@ -86,8 +86,8 @@ private:
     std::optional<TrackSkeleton> skeleton_;  // of formats that give bones
     std::optional<BoneFollower> follower_;   // of those and of points
     std::optional<HandFollower> hands_;
-    std::optional<HandGuard> guard_;
-    HandGuard::Pushes pushed_{Vec3f(0), Vec3f(0)};
+    std::optional<ArmGuard> guard_;
+    ArmGuard::Pushes pushed_{};
 
     CleanFrame frame_;
     PointBones points_;

@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// Hands of retargeted and tracked people stay outside the body. Prints millimetres. The truth is a mesh made of elliptic cylinders whose
-// depth is known without the shape that is tested.
+// Arms and hands of retargeted and tracked people stay outside the body. Prints millimetres. The truth is a mesh made of elliptic cylinders
+// whose depth is known without the shape that is tested.
 #include "sdk/avatar/body_shape.h"
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 
 #include "sdk/avatar/retarget.h"
@@ -53,19 +54,36 @@ void addRings(const std::vector<JointData>& rig, const Cylinder& part, MeshData&
         }
 }
 
+constexpr float kUpperArmM = 0.045f, kLowerArmM = 0.035f;
+
 MeshData personMesh(const std::vector<JointData>& rig) {
     MeshData mesh;
     for (const Cylinder& part : trunk(rig)) addRings(rig, part, mesh);
     for (const std::string side : {"left", "right"}) {
         const auto at = [&](const char* bone) { return rig[jointOf(rig, side + bone)].restPosition; };
-        addRings(rig, {side + "LowerArm", at("LowerArm"), at("Hand"), 0.035f, 0.035f}, mesh);
+        addRings(rig, {side + "UpperArm", at("UpperArm"), at("LowerArm"), kUpperArmM, kUpperArmM}, mesh);
+        addRings(rig, {side + "LowerArm", at("LowerArm"), at("Hand"), kLowerArmM, kLowerArmM}, mesh);
         addRings(rig, {side + "Hand", at("Hand"), at("MiddleProximal"), 0.012f, 0.035f}, mesh);
     }
     return mesh;
 }
 
-/** By how much points of hands and fingers lie in the cylinders of the posed body, mm: the deepest. A hand is 10 mm thick around its
- * joints. */
+/** By how much a ball lies in the cylinders of the posed body, mm. */
+float depthMm(const std::vector<JointData>& rig, const std::vector<Mat3x4f>& g, const Vec3f& centre, float radiusM) {
+    float deepest = 0;
+    for (const Cylinder& part : trunk(rig)) {
+        const Mat3x4f& m = g[jointOf(rig, part.bone)];
+        const Vec3f p = glm::transpose(Mat3f(m)) * (centre - m[3]) - part.from, along = part.to - part.from;
+        const float t = glm::dot(p, along) / glm::dot(along, along);
+        if (t < 0 || t > 1) continue;
+        const Vec3f off = p - along * t;
+        const float ratio = std::hypot(off.x / (part.halfWidthM + radiusM), std::hypot(off.z, off.y) / (part.halfDepthM + radiusM));
+        if (ratio < 1 && ratio > 1e-3f) deepest = std::max(deepest, glm::length(off) * (1 / ratio - 1));
+    }
+    return 1000 * deepest;
+}
+
+/** By how much points of hands and fingers lie in the body, mm: the deepest. A hand is 10 mm thick around its joints. */
 constexpr float kThickM = 0.01f;
 float depthMm(const std::vector<JointData>& rig, const Pose& pose) {
     std::vector<Mat3x4f> g;
@@ -74,25 +92,26 @@ float depthMm(const std::vector<JointData>& rig, const Pose& pose) {
     for (const std::string side : {"left", "right"})
         for (const char* bone : {"Hand", "IndexProximal", "MiddleProximal", "LittleProximal", "MiddleIntermediate", "MiddleDistal"}) {
             const size_t joint = jointOf(rig, side + bone);
-            const Vec3f world = g[joint] * Vec4f(rig[joint].restPosition, 1);
-            for (const Cylinder& part : trunk(rig)) {
-                const Mat3x4f& m = g[jointOf(rig, part.bone)];
-                const Vec3f p = glm::transpose(Mat3f(m)) * (world - m[3]) - part.from, along = part.to - part.from;
-                const float t = glm::dot(p, along) / glm::dot(along, along);
-                if (t < 0 || t > 1) continue;
-                const Vec3f off = p - along * t;
-                const float ratio = std::hypot(off.x / (part.halfWidthM + kThickM), std::hypot(off.z, off.y) / (part.halfDepthM + kThickM));
-                if (ratio < 1 && ratio > 1e-3f) deepest = std::max(deepest, glm::length(off) * (1 / ratio - 1));
-            }
+            deepest = std::max(deepest, depthMm(rig, g, g[joint] * Vec4f(rig[joint].restPosition, 1), kThickM));
         }
-    return 1000 * deepest;
+    return deepest;
 }
 
-/** Rest pose with the left arm hanging straight down and in, so that the hand is in the hip. */
-Pose handInHip(const std::vector<JointData>& rig) {
+/** By how much the firm part of the left elbow and of the middle of the left upper arm lies in the body, mm. */
+std::array<float, 2> armDepthsMm(const std::vector<JointData>& rig, const Pose& pose) {
+    std::vector<Mat3x4f> g;
+    jointTransforms(rig, pose, g);
+    const size_t upper = jointOf(rig, "leftUpperArm"), lower = jointOf(rig, "leftLowerArm");
+    const Vec3f shoulder = rig[upper].restPosition, elbow = rig[lower].restPosition;
+    return {depthMm(rig, g, g[lower] * Vec4f(elbow, 1), kFirmShare * kLowerArmM),
+            depthMm(rig, g, g[upper] * Vec4f(0.5f * (shoulder + elbow), 1), kFirmShare * kUpperArmM)};
+}
+
+/** Rest pose with the left arm turned in at shoulder and elbow, radians. The defaults let it hang down, with the hand in the hip. */
+Pose handInHip(const std::vector<JointData>& rig, float upperArm = 0.78f, float lowerArm = 0.25f) {
     Pose pose = Pose::rest(rig.size());
-    pose.localRotations[jointOf(rig, "leftUpperArm")] = glm::angleAxis(-0.78f, Vec3f(0, 0, 1));
-    pose.localRotations[jointOf(rig, "leftLowerArm")] = glm::angleAxis(-0.25f, Vec3f(0, 0, 1));
+    pose.localRotations[jointOf(rig, "leftUpperArm")] = glm::angleAxis(-upperArm, Vec3f(0, 0, 1));
+    pose.localRotations[jointOf(rig, "leftLowerArm")] = glm::angleAxis(-lowerArm, Vec3f(0, 0, 1));
     return pose;
 }
 
@@ -101,7 +120,8 @@ TEST(BodyShape, measuresTheMesh) {
     const BodyShape body = BodyShape::of(rig, personMesh(rig));
     ASSERT_FALSE(body.empty());
     EXPECT_NEAR(body.handM(0), 0.0115f, 0.002f);
-    EXPECT_NEAR(body.lowerArmM(1), 0.035f, 0.002f);
+    EXPECT_NEAR(body.lowerArmM(1), kLowerArmM, 0.002f);
+    EXPECT_NEAR(body.upperArmM(0), kUpperArmM, 0.002f);
     std::vector<Mat3x4f> g;
     jointTransforms(rig, Pose::rest(rig.size()), g);
     for (const float angle : {0.0f, 0.4f, 1.2f, 3.0f, -2.0f}) {
@@ -119,22 +139,48 @@ TEST(BodyShape, measuresTheMesh) {
     EXPECT_TRUE(BodyShape::of(nameless, personMesh(rig)).empty());
 }
 
-TEST(BodyShape, aHandInTheHipIsPushedOutAndKeepsItsRotation) {
+TEST(BodyShape, aHandInTheHipIsPushedOut) {
     const auto rig = personRig(0.8f);
-    HandGuard guard(BodyShape::of(rig, personMesh(rig)), rig);
+    ArmGuard guard(BodyShape::of(rig, personMesh(rig)), rig);
     const Pose rest = Pose::rest(rig.size());
-    for (const Vec3f& push : guard.pushes(rest)) EXPECT_EQ(push, Vec3f(0)) << "hands of the rest pose are free";
-    const Pose before = handInHip(rig);
-    Pose after = before;
-    ASSERT_GT(depthMm(rig, before), 20);
-    guard.push(guard.pushes(before), after);
-    std::printf("hand in the hip: %.1f mm deep, then %.1f\n", double(depthMm(rig, before)), double(depthMm(rig, after)));
-    EXPECT_LT(depthMm(rig, after), 4);
-    std::vector<Mat3x4f> a, b;
-    jointTransforms(rig, before, a), jointTransforms(rig, after, b);
-    const size_t hand = jointOf(rig, "leftHand"), right = jointOf(rig, "rightUpperArm");
-    for (int c = 0; c < 3; ++c) EXPECT_LT(glm::length(a[hand][c] - b[hand][c]), 1e-4f);
-    EXPECT_EQ(before.localRotations[right], after.localRotations[right]) << "the other arm stays";
+    for (const auto& push : guard.pushes(rest)) EXPECT_TRUE(push.none()) << "arms of the rest pose are free";
+    for (const bool bent : {false, true}) {
+        const Pose before = bent ? handInHip(rig, 0.4f, 0.8f) : handInHip(rig);
+        Pose after = before;
+        ASSERT_GT(depthMm(rig, before), 20);
+        const auto pushes = guard.pushes(before);
+        guard.push(pushes, after);
+        std::printf("hand in the hip: %.1f mm deep, then %.1f\n", double(depthMm(rig, before)), double(depthMm(rig, after)));
+        EXPECT_LT(depthMm(rig, after), 4);
+        const size_t right = jointOf(rig, "rightUpperArm");
+        EXPECT_EQ(before.localRotations[right], after.localRotations[right]) << "the other arm stays";
+        if (!bent) continue;
+        ASSERT_EQ(pushes[0].elbow, Vec3f(0)) << "the upper arm is free, so the arm does not swing";
+        std::vector<Mat3x4f> a, b;
+        jointTransforms(rig, before, a), jointTransforms(rig, after, b);
+        for (int c = 0; c < 3; ++c) EXPECT_LT(glm::length(a[jointOf(rig, "leftHand")][c] - b[jointOf(rig, "leftHand")][c]), 1e-4f);
+    }
+}
+
+TEST(BodyShape, anArmThatGrazesTheTrunkIsPushedOut) {
+    const auto rig = personRig(0.8f);
+    ArmGuard guard(BodyShape::of(rig, personMesh(rig)), rig);
+    for (const float turn : {0.9f, 1.0f, 1.15f}) {  // the upper arm leans in, the forearm hangs beside the hip
+        Pose pose = handInHip(rig, turn, -turn);
+        ASSERT_EQ(depthMm(rig, pose), 0) << "the hand is free: it is the arm that must move";
+        const auto before = armDepthsMm(rig, pose);
+        ASSERT_GT(before[0], 20);
+        ASSERT_GT(before[1], 20);
+        const Quatf right = pose.localRotations[jointOf(rig, "rightUpperArm")];
+        guard.push(guard.pushes(pose), pose);
+        const auto after = armDepthsMm(rig, pose);
+        std::printf("leaning in by %.2f rad: elbow %.1f mm deep, then %.1f; upper arm %.1f, then %.1f\n", double(turn), double(before[0]),
+                    double(after[0]), double(before[1]), double(after[1]));
+        EXPECT_LT(after[0], 4);
+        EXPECT_LT(after[1], 4);
+        EXPECT_EQ(depthMm(rig, pose), 0);
+        EXPECT_EQ(pose.localRotations[jointOf(rig, "rightUpperArm")], right) << "the other arm stays";
+    }
 }
 
 TEST(BodyShape, trackedHandsGiveWay) {
@@ -143,7 +189,7 @@ TEST(BodyShape, trackedHandsGiveWay) {
     auto free = Tracker::create(rig, TrackFormat::Vrm, {}, stream.rest()),
          guarded = Tracker::create(rig, TrackFormat::Vrm, {}, stream.rest());
     ASSERT_TRUE(free && guarded);
-    (*guarded)->guardHands(BodyShape::of(rig, personMesh(rig)));
+    (*guarded)->guardArms(BodyShape::of(rig, personMesh(rig)));
     float onTheWay = 0, settled = 0, unguarded = 0;
     for (int k = 0; k < 60; ++k) {
         const int64_t timeNs = int64_t(k) * 1'000'000'000 / 60;
