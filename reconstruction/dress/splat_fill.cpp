@@ -83,7 +83,7 @@ void copySplats(const SplatData& from, size_t begin, size_t end, SplatData& to) 
 
 uint32_t fillSplats(const Marks& fill, const Marks& empty, const Marks& distrusted, const Neighbours& neighbours, LayerPart& part) {
     const SpreadColours around = coloursAround(part, distrusted, neighbours);
-    const Marks flags = triangleFlags(part.mesh.restPositions, part.mesh.triangles, {}, {});
+    const Marks flags = triangleFlags(part.mesh.restPositions, part.mesh.triangles, {}, {}, {});
     uint8_t kind = 0;  // cloth or not: as the part's other splats
     for (const uint8_t flag : part.splats.flags) kind |= flag & kSplatCloth;
     SplatData splats;
@@ -124,7 +124,7 @@ uint32_t mendGarment(LayerPart& garment) {
     }
     std::vector<double> sorted = coverage;
     std::nth_element(sorted.begin(), sorted.begin() + long(count / 2), sorted.end());
-    const Marks flags = triangleFlags(garment.mesh.restPositions, garment.mesh.triangles, {}, {});
+    const Marks flags = triangleFlags(garment.mesh.restPositions, garment.mesh.triangles, {}, {}, {});
     Marks weak(count);  // not at hems, where cloth may end before its mesh
     for (size_t t = 0; t < count; ++t) weak[t] = (flags[t] & kSplatSingleFace) && coverage[t] < kWeakShare * sorted[count / 2];
     return fillSplats(weak, Marks(count, 0), weak, neighbours, garment);

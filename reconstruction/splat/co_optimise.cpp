@@ -5,12 +5,15 @@
 #include <chrono>
 #include <cmath>
 #include <numeric>
+#include <utility>
 
 #include "reconstruction/splat/co_optimise_state.h"
 #include "reconstruction/splat/pose_step.h"
 #include "reconstruction/splat/random.h"
 #include "reconstruction/splat/rotation_vector.h"
+#include "reconstruction/splat/seen_backs.h"
 #include "reconstruction/splat/still_vertices.h"
+#include "sdk/core/evenly_spaced.h"
 #include "sdk/format/avatar_file.h"
 #include "sdk/format/check_mesh.h"
 
@@ -91,12 +94,34 @@ Status CoOptimiser::State::prepare() {
     return {};
 }
 
+namespace {
+
+constexpr size_t kMovingPoses = 8;
+
+/** The poses in which backs of cloth may show: those of stress, the first still one, and some of the moving ones. */
+std::vector<Pose> posesThatShowBacks(const CoOptimiseInput& input) {
+    std::vector<Pose> poses = input.stress, moving;
+    bool still = false;
+    for (const TrainFrame& f : input.frames) {
+        if (f.kind == FrameKind::Dynamic)
+            moving.push_back(f.pose);
+        else if (!std::exchange(still, true))
+            poses.push_back(f.pose);
+    }
+    const std::vector<Pose> some = evenlySpaced(moving, kMovingPoses);
+    poses.insert(poses.end(), some.begin(), some.end());
+    return poses;
+}
+
+}  // namespace
+
 Result<std::unique_ptr<CoOptimiser>> CoOptimiser::create(CoOptimiseInput input, const CoOptimiseSettings& settings, Jobs& jobs) {
     auto state = std::make_unique<State>(std::move(input), settings, jobs);
     DPL_CHECK_OK(state->prepare());
     State& s = *state;
     TriangleSight sight = triangleSight(s.input.joints, s.mesh, s.input.triangleLabel, s.input.frames, jobs);
-    const std::vector<uint8_t> flags = triangleFlags(s.mesh.restPositions, s.mesh.triangles, s.input.triangleLabel, s.settings.init);
+    const std::vector<uint8_t> backs = seenBacks(s.input.joints, s.mesh, posesThatShowBacks(s.input), jobs);
+    const std::vector<uint8_t> flags = triangleFlags(s.mesh.restPositions, s.mesh.triangles, s.input.triangleLabel, backs, s.settings.init);
     TrainableSplats first =
         initialSplats(s.input.joints, s.mesh, s.input.triangleLabel, flags, sight, s.input.frames, s.settings.init, s.settings.seed, jobs);
     holdBareVertices(s.mesh, first, s.learned.layer.correctives);

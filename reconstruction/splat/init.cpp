@@ -129,7 +129,7 @@ std::vector<Vec3f> spreadColours(const std::vector<Vec4f>& weighted, const std::
 }
 
 std::vector<uint8_t> triangleFlags(std::span<const Vec3f> restPositions, std::span<const Triangle> triangles,
-                                   std::span<const uint8_t> labels, const InitSettings& settings) {
+                                   std::span<const uint8_t> labels, std::span<const uint8_t> backs, const InitSettings& settings) {
     const auto [merged, placeCount] = mergeVertices(restPositions);
     std::map<std::pair<uint32_t, uint32_t>, int> uses;
     for (const Triangle& t : triangles)
@@ -140,6 +140,8 @@ std::vector<uint8_t> triangleFlags(std::span<const Vec3f> restPositions, std::sp
     std::vector<uint8_t> near(placeCount, 0);
     for (const auto& [edge, count] : uses)
         if (count == 1) near[edge.first] = near[edge.second] = 1;
+    for (size_t t = 0; t < backs.size(); ++t)
+        for (int c = 0; c < 3 && backs[t]; ++c) near[merged[triangles[t][c]]] = 1;
     std::vector<uint8_t> open(triangles.size(), 0);
     for (int ring = 0; ring < 2; ++ring) {
         std::vector<uint8_t> next = near;

@@ -17,10 +17,10 @@ struct InitSettings {
 };
 
 /** The flags kSplatSingleFace and kSplatCloth of every triangle (docs/reference/gate.md). Triangles with open labels, and those within two
- *  rings of a boundary edge, are not single-face. Vertices at equal positions count as one, so a seam is no boundary. labels: one a
- *  triangle, or empty (all body). */
+ *  rings of a boundary edge or of a triangle whose back shows (seenBacks), are not single-face. Vertices at equal positions count as one,
+ * so a seam is no boundary. labels: one a triangle, or empty (all body). backs: one a triangle, or empty (none shows). */
 std::vector<uint8_t> triangleFlags(std::span<const Vec3f> restPositions, std::span<const Triangle> triangles,
-                                   std::span<const uint8_t> labels, const InitSettings& settings);
+                                   std::span<const uint8_t> labels, std::span<const uint8_t> backs, const InitSettings& settings);
 
 /** The body below clothes has splats up to so many rings of triangles from what is seen: a few centimetres, what a swinging hem or sleeve
  *  may uncover. Training leaves them as they start, in the colours of their neighbours. */

@@ -17,7 +17,7 @@ std::vector<uint32_t> splatsPerTriangle(const MeshData& mesh, Jobs& jobs, std::s
     const TriangleSight sight = triangleSight(scene.joints, mesh, labels, frames, jobs);
     InitSettings init;
     init.splatCount = 6000, init.shDegree = 0;
-    const auto flags = triangleFlags(mesh.restPositions, mesh.triangles, {}, init);
+    const auto flags = triangleFlags(mesh.restPositions, mesh.triangles, {}, {}, init);
     const TrainableSplats splats = initialSplats(scene.joints, mesh, labels, flags, sight, frames, init, 1, jobs);
     std::vector<uint32_t> count(mesh.triangles.size(), 0);
     for (const uint32_t t : splats.triangle) ++count[t];
@@ -120,7 +120,7 @@ TEST(InitialSplats, unseenSplatsTakeTheColourOfTheirNeighbours) {
     ASSERT_GT(std::count(sight.seen.begin(), sight.seen.end(), uint8_t(0)), 20);
     InitSettings init;
     init.splatCount = 3000, init.shDegree = 0;
-    const auto flags = triangleFlags(scene.mesh.restPositions, scene.mesh.triangles, {}, init);
+    const auto flags = triangleFlags(scene.mesh.restPositions, scene.mesh.triangles, {}, {}, init);
     const TrainableSplats splats = initialSplats(scene.joints, scene.mesh, {}, flags, sight, front, init, 1, jobs);
     size_t checked = 0;
     for (uint32_t i = 0; i < splats.count(); ++i) {

@@ -53,7 +53,7 @@ inline CoOptimiseInput toyScene(Jobs& jobs, uint32_t frameCount = 8, float swayM
     const TriangleSight sight{std::vector<float>(in.mesh.triangles.size(), 0.0f), std::vector<uint8_t>(in.mesh.triangles.size(), 1)};
     InitSettings init;
     init.splatCount = 3000, init.shDegree = 0;
-    const auto flags = triangleFlags(in.mesh.restPositions, in.mesh.triangles, {}, init);
+    const auto flags = triangleFlags(in.mesh.restPositions, in.mesh.triangles, {}, {}, init);
     TrainableSplats splats = initialSplats(in.joints, in.mesh, {}, flags, sight, {}, init, 1, jobs);
     for (uint32_t i = 0; i < splats.count(); ++i) {
         const Triangle& t = in.mesh.triangles[splats.triangle[i]];
