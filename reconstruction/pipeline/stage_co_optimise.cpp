@@ -101,7 +101,7 @@ Result<Training> runCoOptimise(const StageRun& run, const IngestedScan& ingested
                                    {"garments", dressed.key},
                                    {"register", registered.key},
                                    {"settings", trainingInputs(settings)}};
-    DPL_TRY(const StageOutput stage, run.chain.run("co-optimise", 15, inputs, [&](StageContext& context) -> Status {
+    DPL_TRY(const StageOutput stage, run.chain.run("co-optimise", 16, inputs, [&](StageContext& context) -> Status {
         context.progress.update(0, "reading pictures");
         DPL_TRY(FrameSet set, framesOf(ingested, Split::Train, body.cameras, registered.poses, pictures));
         setPrecisions(set, registered.precisions);

@@ -22,7 +22,8 @@ constexpr int kTile = int(kTileSizePx), kTilePixels = kTile * kTile;
 struct alignas(64) TileState {
     float red[kTilePixels], green[kTilePixels], blue[kTilePixels], cloth[kTilePixels], alpha[kTilePixels];  // gradients
     float transmittance[kTilePixels], rest[kTilePixels];
-    int32_t stop[kTilePixels];  // number of entries that the pixel blended
+    float colourShare[2][kTilePixels];  // of splats of the body, of cloth
+    int32_t stop[kTilePixels];          // number of entries that the pixel blended
 };
 
 }  // namespace dpl
@@ -74,6 +75,7 @@ HWY_INLINE void replayEntry(TileState& tile, const ProjectedSplat& p, int32_t in
     const V r = hn::Set(d, p.red), g = hn::Set(d, p.green), b = hn::Set(d, p.blue), cloth = hn::Set(d, p.cloth);
     const V one = hn::Set(d, 1.0f), minAlpha = hn::Set(d, float(kMinAlpha)), maxAlpha = hn::Set(d, float(kMaxAlpha));
     const auto entry = hn::Set(di, index);
+    const float* share = tile.colourShare[p.cloth > 0.5f];
 
     for (int y = y0; y <= y1; ++y) {
         const float dyScalar = float(y) - relY;
@@ -98,7 +100,8 @@ HWY_INLINE void replayEntry(TileState& tile, const ProjectedSplat& p, int32_t in
             const V through = hn::Sub(one, alpha);
             hn::StoreU(rest, d, tile.rest + at);
             hn::StoreU(hn::Mul(t, through), d, tile.transmittance + at);
-            red = hn::MulAdd(w, gr, red), green = hn::MulAdd(w, gg, green), blue = hn::MulAdd(w, gb, blue);
+            const V shared = hn::Mul(w, hn::LoadU(d, share + at));
+            red = hn::MulAdd(shared, gr, red), green = hn::MulAdd(shared, gg, green), blue = hn::MulAdd(shared, gb, blue);
             weight = hn::Add(weight, w);
             // g_σ = −α·g_α, and zero where α was capped.
             const V gSigma =
@@ -136,7 +139,7 @@ void ImageGradient::resize(uint32_t width, uint32_t height, bool withCloth) {
     widthPx = width, heightPx = height;
     const size_t count = size_t(width) * height;
     for (std::vector<float>* plane : {&red, &green, &blue, &alpha}) plane->resize(count);
-    cloth.resize(withCloth ? count : 0);
+    for (std::vector<float>* plane : {&cloth, &colourShare[0], &colourShare[1]}) plane->resize(withCloth ? count : 0, 1.0f);
 }
 
 void PixelBackward::run(const SplatEngine& engine, const SplatImage& image, const ImageGradient& gradient) {
@@ -159,6 +162,7 @@ void PixelBackward::run(const SplatEngine& engine, const SplatImage& image, cons
                 const size_t at = y * kTile + x;
                 tile.transmittance[at] = 1, tile.rest[at] = 0, tile.stop[at] = 0;
                 tile.red[at] = tile.green[at] = tile.blue[at] = tile.cloth[at] = tile.alpha[at] = 0;
+                tile.colourShare[0][at] = tile.colourShare[1][at] = 1;
                 if (x0 + x >= width || y0 + y >= height) continue;
                 const size_t pixel = (y0 + y) * width + x0 + x;
                 tile.red[at] = gradient.red[pixel], tile.green[at] = gradient.green[pixel], tile.blue[at] = gradient.blue[pixel];
@@ -167,6 +171,7 @@ void PixelBackward::run(const SplatEngine& engine, const SplatImage& image, cons
                              tile.blue[at] * image.rgb[pixel * 3 + 2] + tile.alpha[at] * image.alpha[pixel];
                 if (withCloth) {
                     tile.cloth[at] = gradient.cloth[pixel];
+                    for (size_t kind = 0; kind < 2; ++kind) tile.colourShare[kind][at] = gradient.colourShare[kind][pixel];
                     rest += tile.cloth[at] * image.cloth[pixel];
                 }
                 tile.rest[at] = rest;

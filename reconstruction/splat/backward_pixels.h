@@ -19,11 +19,14 @@
 
 namespace dpl {
 
-/** ∂loss/∂SplatImage, planar, one float a pixel. `cloth` may be empty when the image was blended without cloth. */
+/** ∂loss/∂SplatImage, planar, one float a pixel. `cloth` and the shares may be empty when the image was blended without cloth. */
 struct ImageGradient {
     uint32_t widthPx = 0, heightPx = 0;
     std::vector<float> red, green, blue;  // wrt premultiplied colour
     std::vector<float> alpha, cloth;
+    /** Share of a pixel's colour gradient that colours of splats of the body (0) and of cloth (1) take; as long as `cloth`. A picture of
+     *  the one does not tell the colour of the other. */
+    std::vector<float> colourShare[2];
 
     void resize(uint32_t width, uint32_t height, bool withCloth);
 };

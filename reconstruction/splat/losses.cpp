@@ -92,7 +92,8 @@ LossValues PictureLoss::run(const SplatImage& image, const PictureTarget& target
                 gradient.alpha[i] = maskStep * maskWeight * sign(maskError);
                 sums[1] += maskWeight * std::abs(maskError);
                 if (withCloth) {
-                    const float clothError = image.cloth[i] - kByte * float(target.cloth[i]);
+                    const float cloth = kByte * float(target.cloth[i]), clothError = image.cloth[i] - cloth;
+                    gradient.colourShare[0][i] = 1 - cloth, gradient.colourShare[1][i] = 1 - std::max(0.0f, mask - cloth);
                     gradient.cloth[i] = clothStep * sign(clothError);
                     sums[2] += std::abs(clothError);
                 }

@@ -148,6 +148,23 @@ TEST(PictureLoss, emptyMarginsChangeNothingButTheMean) {
     EXPECT_EQ(g.cloth.back(), 0);
 }
 
+TEST(PictureLoss, coloursAnswerForPixelsOfTheirOwnKind) {
+    Jobs jobs(1);
+    Scene s;
+    for (size_t i = 0; i < kPixels; ++i) s.mask[i] = i % 3 ? 255 : 0, s.cloth[i] = i % 3 == 1 ? 255 : 0;  // background, cloth, body
+    PictureLoss loss(jobs);
+    ImageGradient g;
+    loss.run(s.image, s.target(), {0.8f, 0.2f, 1, 0.3f}, Vec3f(0.3f), g);
+    ASSERT_EQ(g.colourShare[0].size(), size_t(kPixels));
+    for (size_t i = 0; i < kPixels; ++i) {
+        EXPECT_EQ(g.colourShare[0][i], i % 3 == 1 ? 0 : 1) << "splats of the body learn nothing from cloth";
+        EXPECT_EQ(g.colourShare[1][i], i % 3 == 2 ? 0 : 1) << "splats of cloth learn nothing from skin";
+    }
+    s.cloth.clear();
+    loss.run(s.image, s.target(), {0.8f, 0.2f, 1, 0.3f}, Vec3f(0.3f), g);
+    EXPECT_TRUE(g.colourShare[0].empty()) << "without labels all pixels teach all splats";
+}
+
 /** At an unsure edge the picture decides: both a person and the background that is drawn where it lies have no loss. */
 TEST(PictureLoss, unsurePixelsTakeThePictureAsItIs) {
     Jobs jobs(1);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The trainer's whole backward pass (float, SIMD, tiles) against finite differences of a double-precision picture.
+#include <array>
 #include <random>
 
 #include "reconstruction/splat/backward_correctives.h"
@@ -77,7 +78,8 @@ struct Analytic {
     double loss = 0;  // of the float picture
 };
 
-Analytic backward(const DoubleScene& s, uint32_t threads) {
+/** shares: of the colour gradient of each pixel, for splats of the body and of cloth. */
+Analytic backward(const DoubleScene& s, uint32_t threads, const std::array<float, 2>& shares = {1, 1}) {
     Jobs jobs(threads);
     TrainableSplats splats;
     splats.resize(uint32_t(s.triangle.size()), s.shDegree);
@@ -110,6 +112,7 @@ Analytic backward(const DoubleScene& s, uint32_t threads) {
         const double* w = s.pixelWeights.data() + i * 5;
         gradient.red[i] = float(w[0]), gradient.green[i] = float(w[1]), gradient.blue[i] = float(w[2]);
         gradient.alpha[i] = float(w[3]), gradient.cloth[i] = float(w[4]);
+        for (size_t kind = 0; kind < 2; ++kind) gradient.colourShare[kind][i] = i % 2 ? shares[kind] : 1.0f;
     }
     PixelBackward pixels(jobs);
     pixels.run(engine, image, gradient);
@@ -254,6 +257,30 @@ TEST(SplatImageGradient, cappedAlphaStopsItsOwnGradient) {
         s.rows[i * s.rowLength() + 3] = std::log(0.095), s.rows[i * s.rowLength() + 4] = std::log(0.075);
     EXPECT_TRUE(backward(s, 1).sawCap) << "large opaque splats reach α = 0.99";
     check(s);
+}
+
+TEST(SplatImageGradient, eachKindTakesItsShareOfColour) {
+    const DoubleScene s = makeScene(0.0, 0);
+    const Analytic whole = backward(s, 2), shared = backward(s, 2, {0.25f, 0});
+    std::array<Analytic, 2> scaled;  // by pictures whose colour counts less in every other pixel
+    for (size_t kind = 0; kind < 2; ++kind) {
+        DoubleScene m = s;
+        for (size_t i = 1; i < m.pixelWeights.size() / 5; i += 2)
+            for (size_t c = 0; c < 3; ++c) m.pixelWeights[i * 5 + c] *= kind == 0 ? 0.25 : 0;
+        scaled[kind] = backward(m, 2);
+    }
+    constexpr size_t kOpacity = 5, kSh = 6;
+    double changed = 0;
+    for (size_t i = 0; i < s.triangle.size(); ++i) {
+        const size_t row = i * s.rowLength();
+        const Analytic& expected = scaled[s.flags[i] & kSplatCloth ? 1 : 0];
+        EXPECT_EQ(shared.rows[row + kOpacity], whole.rows[row + kOpacity]) << "opacity still answers for the whole pixel";
+        for (size_t k = kSh; k < s.rowLength(); ++k) {
+            EXPECT_NEAR(shared.rows[row + k], expected.rows[row + k], 1e-5 * (1 + std::abs(expected.rows[row + k]))) << i << ", " << k;
+            changed = std::max(changed, std::abs(shared.rows[row + k] - whole.rows[row + k]));
+        }
+    }
+    EXPECT_GT(changed, 1e-2);
 }
 
 TEST(SplatImageGradient, behindTheCameraIsZero) {
