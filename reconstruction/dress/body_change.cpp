@@ -24,13 +24,11 @@ Marks seenTriangles(const SurfaceMesh& mesh, const MeshData& body, Jobs& jobs) {
     const size_t bodyTriangles = body.triangles.size();
     Vec3f low(1e30f), high(-1e30f);
     for (const Vec3f& p : body.restPositions) low = glm::min(low, p), high = glm::max(high, p);
-    const double size = double(glm::length(high - low));
     constexpr size_t kViews = kAzimuths * std::size(kElevations);
     std::vector<Marks> ofView(kViews, Marks(bodyTriangles, 0));
     jobs.forBlocks(kViews, [&](size_t view, uint32_t) {
         const double azimuth = 2 * std::numbers::pi * double(view % kAzimuths) / kAzimuths;
-        const Camerad camera =
-            orbitCamera(Vec3d(low + high) * 0.5, 2 * size, azimuth, kElevations[view / kAzimuths], 1.7 * kSidePx, kSidePx, kSidePx);
+        const Camerad camera = orbitBox(low, high, azimuth, kElevations[view / kAzimuths], kSidePx);
         for (const uint32_t t : rasteriseMesh(mesh.positions, mesh.triangles, camera).triangle)
             if (t < bodyTriangles) ofView[view][t] = 1;
     });

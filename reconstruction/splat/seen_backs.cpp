@@ -29,11 +29,9 @@ std::vector<uint8_t> seenBacks(std::span<const JointData> joints, const MeshData
         skin(mesh, worldFromRest, jobs, posed);
         Vec3f low(1e30f), high(-1e30f);
         for (const Vec3f& p : posed) low = glm::min(low, p), high = glm::max(high, p);
-        const Vec3d middle = 0.5 * Vec3d(low + high);
-        const double size = double(glm::length(high - low));
         jobs.forBlocks(kAzimuths * std::size(kElevations), [&](size_t view, uint32_t) {
             const double azimuth = 2 * std::numbers::pi * double(view % kAzimuths) / kAzimuths;
-            const Camerad camera = orbitCamera(middle, 2 * size, azimuth, kElevations[view / kAzimuths], 1.7 * kSidePx, kSidePx, kSidePx);
+            const Camerad camera = orbitBox(low, high, azimuth, kElevations[view / kAzimuths], kSidePx);
             const Vec3f eye(camera.eye());
             for (const uint32_t t : rasteriseMesh(posed, mesh.triangles, camera).triangle) {
                 if (t == kNoTriangle || t < first) continue;

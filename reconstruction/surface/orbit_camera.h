@@ -19,4 +19,10 @@ inline Camerad orbitCamera(const Vec3d& target, double distanceM, double azimuth
     return camera;
 }
 
+/** A square picture of a box, from twice its diagonal away, so that it fits from all sides. Angles as above. */
+inline Camerad orbitBox(const Vec3f& low, const Vec3f& high, double azimuthRad, double elevationRad, uint32_t sidePx) {
+    return orbitCamera(0.5 * Vec3d(low + high), 2 * double(glm::length(high - low)), azimuthRad, elevationRad, 1.7 * sidePx, sidePx,
+                       sidePx);
+}
+
 }  // namespace dpl

@@ -49,13 +49,14 @@ private:
     float handM_[2] = {0.015f, 0.015f}, lowerArmM_[2] = {0.04f, 0.04f}, upperArmM_[2] = {0.05f, 0.05f};
 };
 
-/** Moves arms out of the body, so that they touch it instead of cutting through: first the arm swings about the shoulder until upper arm
- *  and elbow are free, then the elbow bends until lower arm, palm and fingers are. Hands turn with the swing, and keep their rotation while
- *  the elbow bends. Elbow and wrist are each pushed by at most kFarthestPushM. */
+/** Elbow and wrist are each pushed by at most this. */
 constexpr float kFarthestPushM = 0.15f;
 /** Upper arms and ribs give way to each other: upper arm and elbow count with this share of their radius. */
 constexpr float kFirmShare = 0.6f;
 
+/** Moves arms out of the body, so that they touch it instead of cutting through: first the arm swings about the shoulder until upper arm
+ *  and elbow are free, then the elbow bends until lower arm, palm and fingers are. Hands turn with the swing, and keep their rotation while
+ *  the elbow bends. */
 class ArmGuard {
 public:
     /** body: of that rig. The joints must outlive this. An empty body guards nothing. */

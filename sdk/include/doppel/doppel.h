@@ -365,7 +365,7 @@ typedef enum DplClipFlag {
     DPL_CLIP_KEEP_PLACE = 2, /**< keeps the place in the recorded room; otherwise the clip starts above the origin */
     DPL_CLIP_IN_PLACE = 4,   /**< removes all horizontal travel, as on a treadmill */
     /** Bones point exactly where those of the recording do. Otherwise the head of a person who walks is levelled by a constant, feet
-     *  that stand are held in place, and hands are kept out of the body; docs/reference/driving.md. */
+     *  that stand are held in place, and arms are kept out of the body; docs/reference/driving.md. */
     DPL_CLIP_AS_RECORDED = 8,
     DPL_CLIP_FORCE_INT32 = 0x7fffffff
 } DplClipFlag;
