@@ -50,11 +50,8 @@ constexpr size_t kTuckedPoses = 64;  // of training, at most
 /** Clothes that sink into unseen skin in stress poses or in those of training stay outside it. */
 void tuckUnseenBody(AssembledAvatar& assembled, Jobs& jobs) {
     AvatarData& avatar = assembled.avatar;
-    std::vector<Pose> poses = stressPoses(avatar.joints), moving;
-    for (const TrainFrame& frame : assembled.frames)
-        if (frame.kind == FrameKind::Dynamic) moving.push_back(frame.pose);
-    const std::vector<Pose> some = evenlySpaced(moving, kTuckedPoses);
-    poses.insert(poses.end(), some.begin(), some.end());
+    std::vector<Pose> poses = stressPoses(avatar.joints);
+    for (const Pose& pose : evenlySpaced(movingPoses(assembled.frames), kTuckedPoses)) poses.push_back(pose);
     const TriangleSight sight = triangleSight(avatar.joints, avatar.mesh, assembled.triangleLabel, assembled.frames, jobs);
     const size_t moved = tuckBody(avatar, sight.seen, poses, jobs);
     log(LogLevel::Info, "{} vertices of unseen skin are taken in below clothes", moved);

@@ -18,10 +18,7 @@ Result<CoOptimiseInput> trainingInput(const FittedBody& body, const DressedBody&
     input.joints = body.shaped.joints;
     input.mesh = dressed.clothed.mesh;
     input.triangleLabel = dressed.clothed.triangleLabel;
-    std::vector<Pose> moving;
-    for (const TrainFrame& frame : frames)
-        if (frame.kind == FrameKind::Dynamic) moving.push_back(frame.pose);
-    DPL_TRY(input.correctives, correctiveModel(input.joints, input.mesh, moving));
+    DPL_TRY(input.correctives, correctiveModel(input.joints, input.mesh, movingPoses(frames)));
     input.frames = std::move(frames);
     input.stress = stressPoses(input.joints);
     return input;

@@ -5,7 +5,6 @@
 #include <chrono>
 #include <cmath>
 #include <numeric>
-#include <utility>
 
 #include "reconstruction/splat/co_optimise_state.h"
 #include "reconstruction/splat/pose_step.h"
@@ -33,6 +32,18 @@ uint32_t nodeStride(const PoseCorrectiveData& c) {
 
 bool finite(const Vec3f& v) {
     return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
+}
+
+constexpr size_t kMovingPoses = 8;
+
+/** The poses in which backs of cloth may show: those of stress, the first that is not of a moving frame, and some of the moving ones. */
+std::vector<Pose> posesThatShowBacks(const CoOptimiseInput& input) {
+    std::vector<Pose> poses = input.stress;
+    const auto still =
+        std::find_if(input.frames.begin(), input.frames.end(), [](const TrainFrame& f) { return f.kind != FrameKind::Dynamic; });
+    if (still != input.frames.end()) poses.push_back(still->pose);
+    for (const Pose& pose : evenlySpaced(movingPoses(input.frames), kMovingPoses)) poses.push_back(pose);
+    return poses;
 }
 
 }  // namespace
@@ -93,27 +104,6 @@ Status CoOptimiser::State::prepare() {
     }
     return {};
 }
-
-namespace {
-
-constexpr size_t kMovingPoses = 8;
-
-/** The poses in which backs of cloth may show: those of stress, the first still one, and some of the moving ones. */
-std::vector<Pose> posesThatShowBacks(const CoOptimiseInput& input) {
-    std::vector<Pose> poses = input.stress, moving;
-    bool still = false;
-    for (const TrainFrame& f : input.frames) {
-        if (f.kind == FrameKind::Dynamic)
-            moving.push_back(f.pose);
-        else if (!std::exchange(still, true))
-            poses.push_back(f.pose);
-    }
-    const std::vector<Pose> some = evenlySpaced(moving, kMovingPoses);
-    poses.insert(poses.end(), some.begin(), some.end());
-    return poses;
-}
-
-}  // namespace
 
 Result<std::unique_ptr<CoOptimiser>> CoOptimiser::create(CoOptimiseInput input, const CoOptimiseSettings& settings, Jobs& jobs) {
     auto state = std::make_unique<State>(std::move(input), settings, jobs);

@@ -230,10 +230,11 @@ ArmGuard::Pushes ArmGuard::pushes(const Pose& pose) {
 }
 
 void ArmGuard::push(const Pushes& pushes, Pose& pose) {
+    if (pushes[0].none() && pushes[1].none()) return;
+    jointTransforms(joints_, pose, world_);
     for (size_t side = 0; side < 2; ++side) {
         const Arm& arm = arms_[side];
         if (arm.wristBalls.empty() || pushes[side].none()) continue;
-        jointTransforms(joints_, pose, world_);
         const auto turned = [&](size_t joint) { return glm::normalize(glm::quat_cast(Mat3f(world_[joint]))); };
         const Quatf above = turned(size_t(joints_[arm.upper].parent)), swing = swingFor(arm, pushes[side].elbow);
         const Vec3f shoulder = jointAt(arm.upper), out = above * Vec3f(side == 0 ? 1.0f : -1.0f, 0, -0.5f);

@@ -158,7 +158,7 @@ private:
         clearance.push_back(lowest < 1e29f ? lowest : 0.0f);
     }
 
-    /** Each hand moves by the largest push within kPushS of a key, averaged over the same time: it starts early and stays smooth. */
+    /** Elbows and wrists move by the largest push within kPushS of a key, averaged over the same time: they start early and stay smooth. */
     void pushArmsOut(const BodyShape& body, ClipData& clip) const {
         constexpr float kPushS = 0.25f;
         ArmGuard arms(body, target_);

@@ -377,13 +377,14 @@ void Tracker::pose(int64_t timeNs, bool holdsPlace, Pose& pose) {
     rootShown_ = pose.rootTranslation;
     if (guard_) {
         ArmGuard::Pushes needed = guard_->pushes(pose);
+        const float share = 1 - std::exp(-stepS / kPushS);
+        const auto follow = [&](Vec3f& pushed, const Vec3f& wanted) {
+            pushed += share * (wanted - pushed);
+            if (glm::length(pushed) < 1e-5f) pushed = Vec3f(0);
+        };
         for (size_t side = 0; side < 2; ++side) {
             const auto arm = guard_->upperArm(side);
             if (!arm || drivers_[*arm] == 0) needed[side] = {};  // the pose beneath is the program's own
-            const auto follow = [&](Vec3f& pushed, const Vec3f& wanted) {
-                pushed += (1 - std::exp(-stepS / kPushS)) * (wanted - pushed);
-                if (glm::length(pushed) < 1e-5f) pushed = Vec3f(0);
-            };
             follow(pushed_[side].elbow, needed[side].elbow), follow(pushed_[side].wrist, needed[side].wrist);
         }
         guard_->push(pushed_, pose);
