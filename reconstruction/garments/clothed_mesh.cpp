@@ -3,11 +3,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <set>
 #include <tuple>
 
 #include "reconstruction/garments/body_layer.h"
 #include "reconstruction/garments/cloth_weights.h"
+#include "reconstruction/garments/leg_gap.h"
 #include "reconstruction/garments/resting_hands.h"
 #include "reconstruction/garments/silhouette_hull.h"
 #include "reconstruction/priors.h"
@@ -32,17 +34,18 @@ Status checkInput(const GarmentInput& input) {
         return fail(Code::InvalidArgument, "{} offsets for {} vertices of the body", input.bodyOffsets.size(), count);
     for (const Vec3f& o : input.bodyOffsets)
         if (!std::isfinite(o.x + o.y + o.z)) return fail(Code::InvalidArgument, "an offset of the body is not finite");
-    for (size_t i = 0; i < input.views.size(); ++i) {
-        const GarmentView& view = input.views[i];
-        const size_t pixels = size_t(view.camera.widthPx) * view.camera.heightPx;
-        if (view.mask.pixels.size() != pixels || view.mask.widthPx != view.camera.widthPx)
-            return fail(Code::InvalidArgument, "the mask of view {} is {} x {}, its camera {} x {}", i, view.mask.widthPx,
-                        view.mask.heightPx, view.camera.widthPx, view.camera.heightPx);
-        if (!view.labels.pixels.empty() && (view.labels.pixels.size() != pixels || view.labels.widthPx != view.camera.widthPx))
-            return fail(Code::InvalidArgument, "the labels of view {} are {} x {}, its camera {} x {}", i, view.labels.widthPx,
-                        view.labels.heightPx, view.camera.widthPx, view.camera.heightPx);
-        DPL_CHECK_OK(checkPose(input.joints, view.pose));
-    }
+    for (const auto views : {input.views, input.moving})
+        for (size_t i = 0; i < views.size(); ++i) {
+            const GarmentView& view = views[i];
+            const size_t pixels = size_t(view.camera.widthPx) * view.camera.heightPx;
+            if (view.mask.pixels.size() != pixels || view.mask.widthPx != view.camera.widthPx)
+                return fail(Code::InvalidArgument, "the mask of view {} is {} x {}, its camera {} x {}", i, view.mask.widthPx,
+                            view.mask.heightPx, view.camera.widthPx, view.camera.heightPx);
+            if (!view.labels.pixels.empty() && (view.labels.pixels.size() != pixels || view.labels.widthPx != view.camera.widthPx))
+                return fail(Code::InvalidArgument, "the labels of view {} are {} x {}, its camera {} x {}", i, view.labels.widthPx,
+                            view.labels.heightPx, view.camera.widthPx, view.camera.heightPx);
+            DPL_CHECK_OK(checkPose(input.joints, view.pose));
+        }
     return {};
 }
 
@@ -80,19 +83,110 @@ ClothedMesh bodyLayer(const GarmentInput& input, std::span<const Vec3f> offsets)
     return out;
 }
 
-void appendLayer(ClothedMesh& clothed, const ScanLabel& label, const std::vector<Vec3f>& rest, const std::vector<Triangle>& triangles,
-                 const ClothWeights& weights) {
+void appendLayer(ClothedMesh& clothed, const ScanLabel& label, const MeshData& garment) {
     MeshData& mesh = clothed.mesh;
+    const std::vector<Vec3f>& rest = garment.restPositions;
+    const std::vector<Triangle>& triangles = garment.triangles;
     const auto firstVertex = uint32_t(mesh.restPositions.size()), firstTriangle = uint32_t(mesh.triangles.size());
     const bool coloured = mesh.colours.size() == mesh.restPositions.size();
     mesh.restPositions.insert(mesh.restPositions.end(), rest.begin(), rest.end());
-    mesh.jointIndices.insert(mesh.jointIndices.end(), weights.joints.begin(), weights.joints.end());
-    mesh.jointWeights.insert(mesh.jointWeights.end(), weights.weights.begin(), weights.weights.end());
+    mesh.jointIndices.insert(mesh.jointIndices.end(), garment.jointIndices.begin(), garment.jointIndices.end());
+    mesh.jointWeights.insert(mesh.jointWeights.end(), garment.jointWeights.begin(), garment.jointWeights.end());
     if (coloured) mesh.colours.resize(mesh.restPositions.size(), glm::u8vec4(128, 128, 128, 255));
     for (const Triangle& t : triangles) mesh.triangles.push_back(t + firstVertex);
     clothed.triangleLabel.resize(mesh.triangles.size(), label.value);
     mesh.layers.push_back({label.name, label.name == "hair" ? "hair" : "garment", firstVertex, uint32_t(rest.size()), firstTriangle,
                            uint32_t(triangles.size())});
+}
+
+/** A garment at rest with its skin weights. */
+struct WornGarment {
+    MeshData mesh;
+    float largestWeightStep = 0;
+};
+
+/** The clothed surface in the still pose, and the garments that are cut from it. */
+struct Outside {
+    SurfaceMesh hull;
+    std::vector<uint32_t> column;  // of each hull vertex: the label with most votes
+    GarmentPieces taken;
+    std::map<uint32_t, WornGarment> worn;  // by column, once asked for
+};
+
+Result<Outside> outsideOf(SurfaceMesh hull, const ScalarField& field, const GarmentInput& input, const StillBody& body, Jobs& jobs) {
+    Outside out{std::move(hull), {}, {}, {}};
+    DPL_TRY(LabelField votes, voteLabels(out.hull, input.views, body.still.cameras, input.labels, kLabelSmoothingM, jobs));
+    for (size_t v = 0; v < out.hull.positions.size(); ++v) out.column.push_back(votes.best(v));
+    const std::vector<float> underside = hemUndersides(out.hull, votes, field, ClosestSurface(body.posed, input.body.triangles));
+    out.taken = takeGarments(out.hull, std::move(votes), underside, {});
+    return out;
+}
+
+Result<const WornGarment*> wornOf(Outside& outside, const GarmentPiece& piece, const GarmentInput& input, const StillBody& body,
+                                  Jobs& jobs) {
+    if (const auto known = outside.worn.find(piece.column); known != outside.worn.end()) return &known->second;
+    const auto [mesh, below] = withArmsApart(piece.mesh, input.body, input.joints, body.posed);
+    DPL_TRY(ClothWeights weights, clothWeights(mesh, below, input.body, input.joints, body.worldFromRest, jobs));
+    WornGarment& worn = outside.worn[piece.column];
+    worn.mesh.restPositions = unposed(mesh, weights, body.worldFromRest);
+    worn.mesh.jointIndices = std::move(weights.joints), worn.mesh.jointWeights = std::move(weights.weights);
+    worn.mesh.triangles = mesh.triangles;
+    worn.largestWeightStep = weights.largestStep;
+    return &worn;
+}
+
+/** Gives two legs to the garments of `outside` that moving pictures show parted. meshed: the hull of a field, in the still pose. */
+Result<std::vector<LegDecision>> partLegs(const GarmentInput& input, const StillBody& body, const ScalarField& field,
+                                          const std::function<SurfaceMesh(const ScalarField&)>& meshed, Outside& outside, Jobs& jobs) {
+    std::vector<LegDecision> decisions;
+    const LegGap gap(input.body, input.joints, body.posed);
+    const std::vector<ScanLabel> labels = votingLabels(input.labels);
+    std::vector<uint8_t> apart(labels.size(), 0);  // of each column: cloth with that label is parted
+    for (const GarmentPiece& piece : outside.taken.pieces)
+        apart[piece.column] =
+            std::any_of(piece.mesh.positions.begin(), piece.mesh.positions.end(), [&](const Vec3f& p) { return gap(p) > 0; });
+    const auto none = [&] { return std::count(apart.begin() + 1, apart.end(), uint8_t(1)) == 0; };
+    if (input.moving.empty() || none()) return decisions;
+    apart[0] = 1;  // bare legs
+    const ClosestSurface surface(outside.hull.positions, outside.hull.triangles);
+    const auto parts = [&](const Vec3f& p) {
+        const SurfacePoint at = surface.find(p);
+        int nearest = 0;
+        for (int c = 1; c < 3; ++c)
+            if (at.barycentric[c] > at.barycentric[nearest]) nearest = c;
+        return apart[outside.column[outside.hull.triangles[at.triangle][nearest]]] != 0;
+    };
+    const auto withLegs = [&]() -> Result<Outside> {
+        const ScalarField parted = [&](const Vec3f& p) {
+            const float value = field(p);
+            const float slab = value < 0 ? gap(p) : value;
+            return slab > value && parts(p) ? slab : value;
+        };
+        SurfaceMesh hull = meshed(parted);
+        gap.close(hull, parts);
+        return outsideOf(std::move(hull), parted, input, body, jobs);
+    };
+    DPL_TRY(Outside parted, withLegs());
+    bool same = true;
+    for (const GarmentPiece& joined : outside.taken.pieces) {
+        if (!apart[joined.column]) continue;
+        const ScanLabel& label = labels[joined.column];
+        decisions.push_back({label.name, {}});
+        const auto other = std::find_if(parted.taken.pieces.begin(), parted.taken.pieces.end(),
+                                        [&](const GarmentPiece& piece) { return piece.column == joined.column; });
+        if (other != parted.taken.pieces.end()) {
+            DPL_TRY(const WornGarment* one, wornOf(outside, joined, input, body, jobs));
+            DPL_TRY(const WornGarment* two, wornOf(parted, *other, input, body, jobs));
+            decisions.back().seen = betweenLegs(one->mesh, two->mesh, label.value, labels[0].value, input.joints, input.moving, jobs);
+        }
+        if (!decisions.back().seen.parted()) apart[joined.column] = 0, same = false;
+    }
+    if (none()) return decisions;
+    if (!same) {
+        DPL_TRY(parted, withLegs());
+    }
+    outside = std::move(parted);
+    return decisions;
 }
 
 /** How sure the pictures are that each body vertex is skin: votes on the posed single skin. */
@@ -147,18 +241,19 @@ Result<GarmentFit> makeClothedMesh(const GarmentInput& input, const std::functio
     for (const Vec3f& p : body.posed) low = glm::min(low, p), high = glm::max(high, p);
     const Vec3f margin(float(priors::kMaxOffsetM), 0.15f, float(priors::kMaxOffsetM));
     const SilhouetteField field(input.views, body.still.cameras, jobs);
-    const SurfaceMesh hull = meshHull(field, low - margin, high + margin, {}, jobs);
+    const ScalarField inside = [&](const Vec3f& p) { return field(p); };
+    const auto meshed = [&](const ScalarField& of) { return meshHull(of, low - margin, high + margin, {}, jobs); };
+    SurfaceMesh hull = field.empty() ? SurfaceMesh{} : meshed(inside);
     if (hull.triangles.empty()) return oneLayer("the masks of the still pictures have no common shape");
-    DPL_CHECK_OK(report(0.4));
+    DPL_CHECK_OK(report(0.3));
     fit.hullIou = meanIou(hull, input, body.still, jobs);
-    DPL_TRY(LabelField votes, voteLabels(hull, input.views, body.still.cameras, input.labels, kLabelSmoothingM, jobs));
-    const ClosestSurface fitted(body.posed, input.body.triangles);
-    const std::vector<float> underside = hemUndersides(
-        hull, votes, [&](const Vec3f& p) { return field(p); }, fitted);
-    GarmentPieces taken = takeGarments(hull, std::move(votes), underside, {});
+    DPL_TRY(Outside outside, outsideOf(std::move(hull), inside, input, body, jobs));
+    DPL_CHECK_OK(report(0.5));
+    DPL_TRY(fit.legs, partLegs(input, body, inside, meshed, outside, jobs));
+    GarmentPieces& taken = outside.taken;
     fit.decisions = std::move(taken.decisions);
     if (taken.pieces.empty()) return oneLayer("no label is worth a layer of its own");
-    DPL_CHECK_OK(report(0.6));
+    DPL_CHECK_OK(report(0.7));
 
     // The body: offsets where skin was seen, then below the garments.
     DPL_TRY(const std::vector<float> skinSeen, skinShare(input, body, jobs));
@@ -176,21 +271,21 @@ Result<GarmentFit> makeClothedMesh(const GarmentInput& input, const std::functio
     fit.clothed = bodyLayer(input, offsets);
     DPL_CHECK_OK(report(0.8));
 
-    size_t vertices = 0, inside = 0;
+    size_t vertices = 0, below = 0;
     const ClosestSurface restBody(fit.clothed.mesh.restPositions, input.body.triangles);
     for (const GarmentPiece& piece : taken.pieces) {
-        const auto [mesh, below] = withArmsApart(piece.mesh, input.body, input.joints, body.posed);
-        DPL_TRY(const ClothWeights weights, clothWeights(mesh, below, input.body, input.joints, body.worldFromRest, jobs));
-        const std::vector<Vec3f> rest = unposed(mesh, weights, body.worldFromRest);
-        for (const Vec3f& p : rest) inside += restBody.signedDistance(p, 0.1f) < 0;
-        vertices += rest.size();
-        fit.largestWeightStep = std::max(fit.largestWeightStep, weights.largestStep);
-        appendLayer(fit.clothed, labels[piece.column], rest, mesh.triangles, weights);
+        DPL_TRY(const WornGarment* garment, wornOf(outside, piece, input, body, jobs));
+        for (const Vec3f& p : garment->mesh.restPositions) below += restBody.signedDistance(p, 0.1f) < 0;
+        vertices += garment->mesh.restPositions.size();
+        fit.largestWeightStep = std::max(fit.largestWeightStep, garment->largestWeightStep);
+        appendLayer(fit.clothed, labels[piece.column], garment->mesh);
     }
-    fit.insideBody = double(inside) / double(vertices);
+    fit.insideBody = double(below) / double(vertices);
     separateLayers(fit.clothed.mesh);
     DPL_CHECK_OK(checkFinite(fit.clothed.mesh));
     fit.summary = formatText("{} layers beside the body", taken.pieces.size());
+    for (const LegDecision& legs : fit.legs)
+        if (legs.seen.parted()) fit.summary += formatText("; {} has two legs", legs.name);
     return fit;
 }
 

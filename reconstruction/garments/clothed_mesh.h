@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "reconstruction/garments/garment_pieces.h"
+#include "reconstruction/garments/parted_legs.h"
 #include "reconstruction/garments/still_views.h"
 #include "sdk/core/jobs.h"
 #include "sdk/core/result.h"
@@ -31,14 +32,22 @@ void separateLayers(MeshData& mesh);
 struct GarmentInput {
     const MeshData& body;  // of the fitted shape, at rest; 4 × unorm8 weights
     std::span<const JointData> joints;
-    std::span<const Vec3f> bodyOffsets;  // one per vertex, rest pose, metres: from the body to the clothed surface of fitSurface()
-    std::span<const GarmentView> views;
+    std::span<const Vec3f> bodyOffsets;   // one per vertex, rest pose, metres: from the body to the clothed surface of fitSurface()
+    std::span<const GarmentView> views;   // still
+    std::span<const GarmentView> moving;  // tell trousers from skirts where the legs touch in the still pose; may be empty
     std::span<const ScanLabel> labels;
+};
+
+/** What moving pictures say of a garment between the legs. */
+struct LegDecision {
+    std::string name;  // of the label
+    BetweenLegs seen;  // parted(): the garment was given two legs
 };
 
 struct GarmentFit {
     ClothedMesh clothed;
     std::vector<GarmentDecision> decisions;  // one per label of the scan but background and body
+    std::vector<LegDecision> legs;           // of the garments that go on between the legs, below the crotch
     std::string summary;                     // a sentence
     double hullIou = 0;                      // mean over the views: of the masks and the hull; 0 without a hull
     double insideBody = 0;                   // share of garment vertices that lie inside the body layer at rest

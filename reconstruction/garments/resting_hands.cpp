@@ -5,7 +5,7 @@
 #include <array>
 
 #include "reconstruction/garments/body_follow.h"
-#include "sdk/avatar/humanoid.h"
+#include "reconstruction/garments/body_parts.h"
 
 namespace dpl {
 namespace {
@@ -14,42 +14,25 @@ enum Part : uint8_t { kElsewhere, kLeftUpper, kLeftLower, kRightUpper, kRightLow
 
 constexpr float kOneSided = 0.5f;  // length of the mean normal; half a tube has 0.64
 
-constexpr Part upperOf(Part lower) {
+constexpr Part upperOf(uint8_t lower) {
     return lower == kLeftLower ? kLeftUpper : kRightUpper;
 }
-constexpr bool isLower(Part part) {
+constexpr bool isLower(uint8_t part) {
     return part == kLeftLower || part == kRightLower;
 }
 
-/** The part that each joint moves; joints below a named bone belong to it. */
-std::vector<Part> partsOfJoints(std::span<const JointData> joints) {
-    const std::vector<std::string> bones = humanoidBones(joints);
-    std::vector<Part> parts(joints.size(), kElsewhere);
-    for (size_t j = 0; j < joints.size(); ++j) {  // parents come first
-        if (joints[j].parent >= 0) parts[j] = parts[size_t(joints[j].parent)];
-        if (bones[j] == "leftUpperArm") parts[j] = kLeftUpper;
-        if (bones[j] == "rightUpperArm") parts[j] = kRightUpper;
-        if (bones[j] == "leftLowerArm" || bones[j] == "leftHand") parts[j] = kLeftLower;
-        if (bones[j] == "rightLowerArm" || bones[j] == "rightHand") parts[j] = kRightLower;
-    }
-    return parts;
-}
-
 /** The part that moves most of each triangle. */
-std::vector<Part> partsOfTriangles(const MeshData& body, std::span<const JointData> joints) {
-    const std::vector<Part> ofJoint = partsOfJoints(joints);
-    std::vector<Part> parts;
-    for (const Triangle& t : body.triangles) {
-        std::array<int, 5> weight{};
-        for (int c = 0; c < 3; ++c)
-            for (int k = 0; k < 4; ++k) weight[ofJoint[body.jointIndices[t[c]][k]]] += body.jointWeights[t[c]][k];
-        parts.push_back(Part(std::max_element(weight.begin(), weight.end()) - weight.begin()));
-    }
-    return parts;
+std::vector<uint8_t> armsOfTriangles(const MeshData& body, std::span<const JointData> joints) {
+    return partsOfTriangles(body, partsOfJoints(joints, {{"leftUpperArm", kLeftUpper},
+                                                         {"rightUpperArm", kRightUpper},
+                                                         {"leftLowerArm", kLeftLower},
+                                                         {"leftHand", kLeftLower},
+                                                         {"rightLowerArm", kRightLower},
+                                                         {"rightHand", kRightLower}}));
 }
 
 /** Vertices of `piece` on a forearm or hand that it does not clothe. parts: of the arm that each vertex lies on. */
-std::vector<uint32_t> underRestingHands(const SurfaceMesh& piece, std::span<const Part> parts) {
+std::vector<uint32_t> underRestingHands(const SurfaceMesh& piece, std::span<const uint8_t> parts) {
     const auto lowerCount = size_t(std::count_if(parts.begin(), parts.end(), isLower));
     if (lowerCount == 0 || 2 * lowerCount > parts.size()) return {};
     // Cloth on forearm and hand belongs to the arm where a path over cloth on that arm leads to its upper part.
@@ -73,7 +56,7 @@ std::vector<uint32_t> underRestingHands(const SurfaceMesh& piece, std::span<cons
 }
 
 /** Whether cloth on a forearm and hand goes round it: then its normals cancel. */
-bool isSleeve(const SurfaceMesh& piece, std::span<const Part> parts, Part lower) {
+bool isSleeve(const SurfaceMesh& piece, std::span<const uint8_t> parts, uint8_t lower) {
     Vec3f sum(0);
     float area = 0;
     for (const Triangle& t : piece.triangles) {
@@ -84,8 +67,8 @@ bool isSleeve(const SurfaceMesh& piece, std::span<const Part> parts, Part lower)
     return glm::length(sum) < kOneSided * area;
 }
 
-std::vector<Part> partsBelow(std::span<const SurfacePoint> below, std::span<const Part> ofTriangle) {
-    std::vector<Part> parts;
+std::vector<uint8_t> partsBelow(std::span<const SurfacePoint> below, std::span<const uint8_t> ofTriangle) {
+    std::vector<uint8_t> parts;
     for (const SurfacePoint& point : below) parts.push_back(ofTriangle[point.triangle]);
     return parts;
 }
@@ -95,7 +78,7 @@ std::vector<Part> partsBelow(std::span<const SurfacePoint> below, std::span<cons
 std::vector<SurfacePoint> wornBodyBelow(const SurfaceMesh& piece, const MeshData& body, std::span<const JointData> joints,
                                         std::span<const Vec3f> posedBody) {
     std::vector<SurfacePoint> below = bodyBelow(piece, ClosestSurface(posedBody, body.triangles));
-    const std::vector<Part> ofTriangle = partsOfTriangles(body, joints);
+    const std::vector<uint8_t> ofTriangle = armsOfTriangles(body, joints);
     const std::vector<uint32_t> touched = underRestingHands(piece, partsBelow(below, ofTriangle));
     if (touched.empty()) return below;
     std::vector<uint32_t> armless;  // numbers of triangles that no arm moves
@@ -114,9 +97,9 @@ std::vector<SurfacePoint> wornBodyBelow(const SurfaceMesh& piece, const MeshData
 WornPiece withArmsApart(const SurfaceMesh& piece, const MeshData& body, std::span<const JointData> joints,
                         std::span<const Vec3f> posedBody) {
     WornPiece worn{piece, wornBodyBelow(piece, body, joints, posedBody)};
-    const std::vector<Part> parts = partsBelow(worn.below, partsOfTriangles(body, joints));
+    const std::vector<uint8_t> parts = partsBelow(worn.below, armsOfTriangles(body, joints));
     std::array<bool, 5> sleeve{};
-    for (const Part lower : {kLeftLower, kRightLower}) sleeve[lower] = isSleeve(piece, parts, lower);
+    for (const uint8_t lower : {kLeftLower, kRightLower}) sleeve[lower] = isSleeve(piece, parts, lower);
     const auto touches = [&](uint32_t arm, uint32_t other) {
         return sleeve[parts[arm]] && parts[other] != parts[arm] && parts[other] != upperOf(parts[arm]);
     };

@@ -92,16 +92,14 @@ float SilhouetteField::operator()(const Vec3f& point) const {
     return distances[outvoted];
 }
 
-SurfaceMesh meshHull(const SilhouetteField& field, const Vec3f& low, const Vec3f& high, const HullOptions& options, Jobs& jobs) {
-    if (field.empty()) return {};
+SurfaceMesh meshHull(const ScalarField& field, const Vec3f& low, const Vec3f& high, const HullOptions& options, Jobs& jobs) {
     SampleGrid grid;
     appendSamples(grid.xs, low.x, high.x, options.cellM);
     appendSamples(grid.ys, low.y, high.y, options.cellM);
     appendSamples(grid.zs, low.z, high.z, options.cellM);
-    const ScalarField value = [&](const Vec3f& p) { return field(p); };
-    const SurfaceMesh raw = marchField(value, grid, jobs);
+    const SurfaceMesh raw = marchField(field, grid, jobs);
     if (raw.triangles.empty()) return {};
-    SurfaceMesh hull = remesh(largestPiece(raw), value, {[&](const Vec3f&) { return options.edgeM; }, 6}, jobs);
+    SurfaceMesh hull = remesh(largestPiece(raw), field, {[&](const Vec3f&) { return options.edgeM; }, 6}, jobs);
     smooth(hull);
     return hull;
 }

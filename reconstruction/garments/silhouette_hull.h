@@ -38,6 +38,6 @@ struct HullOptions {
 };
 
 /** The largest piece of the field's zero surface within [low, high]. Empty when there is none. */
-SurfaceMesh meshHull(const SilhouetteField& field, const Vec3f& low, const Vec3f& high, const HullOptions& options, Jobs& jobs);
+SurfaceMesh meshHull(const ScalarField& field, const Vec3f& low, const Vec3f& high, const HullOptions& options, Jobs& jobs);
 
 }  // namespace dpl

@@ -18,21 +18,28 @@ Status dress(const StageRun& run, const IngestedScan& ingested, const FittedBody
         DPL_TRY(const auto picture, pictures.of(f));
         views.push_back({body.cameras[f], picture->mask, picture->labels, surface.poses[f]});
     }
+    std::vector<GarmentView> moving;
+    for (size_t f = 0; f < ingested.scan.frames.size(); ++f) {
+        const ScanFrame& frame = ingested.scan.frames[f];
+        if (!isTrainingFrame(ingested, f) || frame.kind != FrameKind::Dynamic || frame.maskPath.empty()) continue;
+        DPL_TRY(const auto picture, pictures.of(f));
+        moving.push_back({body.cameras[f], picture->mask, picture->labels, body.fit.poses[f]});
+    }
     const auto progress = [&](double fraction) {
         context.progress.update(fraction, formatText("{} still pictures", views.size()));
         return !context.progress.cancelled();
     };
-    const GarmentInput input{body.shaped.mesh, body.shaped.joints, surface.restOffsets, views, labels};
+    const GarmentInput input{body.shaped.mesh, body.shaped.joints, surface.restOffsets, views, moving, labels};
     DPL_TRY(const GarmentFit fit, makeClothedMesh(input, progress, run.jobs));
     json decisions = json::array();
     for (const GarmentDecision& d : fit.decisions)
         decisions.push_back(
             {{"part", d.label.name}, {"kept", d.kept}, {"reason", d.reason}, {"triangles", d.triangles}, {"areaM2", d.areaM2}});
-    const json info = {{"summary", fit.summary},
-                       {"decisions", decisions},
-                       {"hull_iou", fit.hullIou},
-                       {"inside_body", fit.insideBody},
-                       {"largest_weight_step", fit.largestWeightStep}};
+    json legs = json::array();
+    for (const LegDecision& d : fit.legs)
+        legs.push_back({{"part", d.name}, {"parted", d.seen.parted()}, {"cloth_pixels", d.seen.cloth}, {"free_pixels", d.seen.free}});
+    const json info = {{"summary", fit.summary},  {"decisions", decisions},        {"legs", legs},
+                       {"hull_iou", fit.hullIou}, {"inside_body", fit.insideBody}, {"largest_weight_step", fit.largestWeightStep}};
     DPL_CHECK_OK(writeFileAtomically(context.folder / "garments.json", info.dump(1)));
     context.progress.note(fit.summary);
     return writeClothedFile(fit.clothed, context.folder / "clothed.bin");
@@ -68,7 +75,7 @@ Result<DressedBody> runGarments(const StageRun& run, const IngestedScan& ingeste
     json labels = json::array();
     for (const ScanLabel& label : wanted) labels.push_back({label.name, label.value});
     const json inputs = {{"training", ingested.trainingHash}, {"surface", surface.key}, {"labels", labels}};
-    DPL_TRY(const StageOutput stage, run.chain.run("garments", 6, inputs, [&](StageContext& context) {
+    DPL_TRY(const StageOutput stage, run.chain.run("garments", 7, inputs, [&](StageContext& context) {
         return dress(run, ingested, body, surface, pictures, wanted, context);
     }));
     DressedBody dressed;

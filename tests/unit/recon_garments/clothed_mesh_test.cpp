@@ -10,55 +10,13 @@
 
 #include <gtest/gtest.h>
 
-#include "capsule.h"
+#include "modelled_person.h"
 #include "reconstruction/shape/closest_surface.h"
-#include "reconstruction/shape/implicit_mesh.h"
-#include "reconstruction/surface/mesh_raster.h"
 
 namespace dpl {
 namespace {
 
-constexpr uint8_t kSkin = 1, kTop = 2, kSkirt = 3, kShoes = 5, kBadge = 6, kBelt = 7;
 constexpr float kHemY = 0.33f, kWaistY = 0.95f;
-
-float bodyField(const Vec3f& p) {
-    const Vec3f side(std::abs(p.x), p.y, p.z);
-    const float trunk = capsule(p, {0, 0.95f, 0}, {0, 1.25f, 0}, 0.14f), neck = capsule(p, {0, 1.3f, 0}, {0, 1.5f, 0}, 0.06f);
-    const float head = glm::length(p - Vec3f(0, 1.6f, 0)) - 0.11f, leg = capsule(side, {0.1f, 0.1f, 0}, {0.09f, 0.9f, 0}, 0.07f);
-    return std::min(std::min(trunk, neck), std::min(head, leg));
-}
-
-SurfaceMesh meshOf(const ScalarField& field, float step) {
-    SampleGrid grid;
-    appendSamples(grid.xs, -0.4f, 0.4f, step);
-    appendSamples(grid.ys, -0.1f, 1.8f, step);
-    appendSamples(grid.zs, -0.4f, 0.4f, step);
-    Jobs jobs(1);
-    return remesh(largestPiece(marchField(field, grid, jobs)), field, {[&](const Vec3f&) { return 1.4f * step; }, 3}, jobs);
-}
-
-const MeshData& body() {
-    static const MeshData made = [] {
-        const SurfaceMesh mesh = meshOf(bodyField, 0.018f);
-        MeshData m;
-        m.restPositions = mesh.positions;
-        m.triangles = mesh.triangles;
-        for (const Vec3f& p : mesh.positions) {
-            const float leg = std::clamp((0.95f - p.y) / 0.15f, 0.0f, 1.0f);
-            const float left = leg * std::clamp(0.5f + p.x / 0.06f, 0.0f, 1.0f), right = leg - left;
-            const auto l = uint8_t(std::lround(255 * left)), r = uint8_t(std::min(255 - int(l), int(std::lround(255 * right))));
-            m.jointIndices.push_back({0, 1, 2, 0});
-            m.jointWeights.push_back({uint8_t(255 - l - r), l, r, 0});
-        }
-        m.layers = {{"body", "body", 0, uint32_t(m.restPositions.size()), 0, uint32_t(m.triangles.size())}};
-        return m;
-    }();
-    return made;
-}
-
-std::vector<JointData> joints() {
-    return {{"hips", -1, {0, 0.95f, 0}, "hips"}, {"left", 0, {0.09f, 0.9f, 0}, ""}, {"right", 0, {-0.09f, 0.9f, 0}, ""}};
-}
 
 /** Height and angle to the skirt: a cone that hangs free below the hips. */
 SurfaceMesh skirt() {
@@ -78,54 +36,16 @@ SurfaceMesh skirt() {
     return m;
 }
 
-struct Dressed {
-    std::vector<Vec3f> positions;
-    std::vector<Triangle> triangles;
-    std::vector<uint8_t> labels;
-    void add(const SurfaceMesh& part, const std::function<uint8_t(const Vec3f&)>& labelAt) {
-        const auto first = uint32_t(positions.size());
-        positions.insert(positions.end(), part.positions.begin(), part.positions.end());
-        for (const Triangle& t : part.triangles) {
-            const uint8_t label = labelAt((part.positions[t.x] + part.positions[t.y] + part.positions[t.z]) / 3.0f);
-            if (label != 0) triangles.push_back(t + first), labels.push_back(label);
-        }
-    }
-};
-
-/** Pictures from a ring at two heights. The subject sways, so that root poses differ. */
 std::vector<GarmentView> shots(int count, bool badge = false, bool belt = false) {
-    Dressed person;
+    ModelledPerson person;
     person.add({body().restPositions, body().triangles}, [](const Vec3f&) { return kSkin; });
-    person.add(meshOf([](const Vec3f& p) { return bodyField(p) - 0.016f; }, 0.018f), [&](const Vec3f& p) -> uint8_t {
+    person.add(topSurface(), [&](const Vec3f& p) -> uint8_t {
         if (p.y < 0.93f || p.y > 1.33f) return 0;
         if (badge && p.z > 0.06f && std::abs(p.x) < 0.12f && p.y > 1.02f && p.y < 1.22f) return kBadge;
         return belt && p.y > 1.1f && p.y < 1.115f ? kBelt : kTop;
     });
-    person.add(skirt(), [](const Vec3f&) { return kSkirt; });
-    std::vector<GarmentView> out;
-    const auto rig = joints();
-    for (int i = 0; i < count; ++i) {
-        GarmentView view;
-        const double a = 6.283185307179586 * i / count, c = std::cos(a), s = std::sin(a), height = i % 2 ? 1.4 : 0.6;
-        view.camera = {150, 220, 230, 230, 75, 110};
-        const Vec3d eye(2.4 * s, height, 2.4 * c), target(0, 0.85, 0), z = glm::normalize(target - eye);
-        const Vec3d x = glm::normalize(glm::cross(z, Vec3d(0, 1, 0))), y = glm::cross(z, x);
-        view.camera.viewFromWorldRotation = glm::transpose(Mat3d(x, y, z));
-        view.camera.viewFromWorldTranslation = -(view.camera.viewFromWorldRotation * eye);
-        view.pose = Pose::rest(3);
-        view.pose.localRotations[0] = glm::angleAxis(0.02f * float(i % 3 - 1), glm::normalize(Vec3f(1, 2, 0)));
-        view.pose.rootTranslation = {0.01f * float(i % 3 - 1), 0, 0.008f * float(i % 5 - 2)};
-        std::vector<Mat3x4f> world;
-        jointTransforms(rig, view.pose, world);
-        std::vector<Vec3f> posed;
-        for (const Vec3f& p : person.positions) posed.push_back(world[0] * Vec4f(p, 1));
-        const MeshRaster image = rasteriseMesh(posed, person.triangles, view.camera);
-        view.mask = view.labels = {150, 220, std::vector<uint8_t>(150 * 220, 0)};
-        for (size_t k = 0; k < image.triangle.size(); ++k)
-            if (image.triangle[k] != kNoTriangle) view.mask.pixels[k] = 255, view.labels.pixels[k] = person.labels[image.triangle[k]];
-        out.push_back(std::move(view));
-    }
-    return out;
+    person.add(skirt(), [](const Vec3f&) { return kBottom; });
+    return stillPictures(person, count);
 }
 
 const std::vector<GarmentView>& plainShots() {
@@ -134,14 +54,14 @@ const std::vector<GarmentView>& plainShots() {
 }
 
 std::vector<ScanLabel> labels() {
-    return {{"background", 0}, {"body", kSkin}, {"top", kTop}, {"bottom", kSkirt}, {"shoes", kShoes}};
+    return {{"background", 0}, {"body", kSkin}, {"top", kTop}, {"bottom", kBottom}, {"shoes", kShoes}};
 }
 
 Result<GarmentFit> dress(std::span<const GarmentView> views, std::span<const ScanLabel> names, uint32_t threads = 2) {
     const auto rig = joints();
     const std::vector<Vec3f> offsets(body().restPositions.size(), Vec3f(0));
     Jobs jobs(threads);
-    return makeClothedMesh({body(), rig, offsets, views, names}, {}, jobs);
+    return makeClothedMesh({body(), rig, offsets, views, {}, names}, {}, jobs);
 }
 
 const GarmentFit& plainFit() {
@@ -151,16 +71,6 @@ const GarmentFit& plainFit() {
         return fit ? std::move(*fit) : GarmentFit{};
     }();
     return made;
-}
-
-SurfaceMesh layerOf(const ClothedMesh& clothed, size_t index) {
-    const LayerData& layer = clothed.mesh.layers[index];
-    SurfaceMesh out;
-    out.positions.assign(clothed.mesh.restPositions.begin() + layer.firstVertex,
-                         clothed.mesh.restPositions.begin() + layer.firstVertex + layer.vertexCount);
-    for (uint32_t t = 0; t < layer.triangleCount; ++t)
-        out.triangles.push_back(clothed.mesh.triangles[layer.firstTriangle + t] - layer.firstVertex);
-    return out;
 }
 
 TEST(ClothedMesh, layersTileTheMeshAndShareNoPosition) {
@@ -181,7 +91,7 @@ TEST(ClothedMesh, layersTileTheMeshAndShareNoPosition) {
         EXPECT_EQ(layer.firstTriangle, triangle);
         vertex += layer.vertexCount, triangle += layer.triangleCount;
         for (uint32_t t = layer.firstTriangle; t < triangle; ++t) {
-            EXPECT_EQ(clothed.triangleLabel[t], k == 0 ? kSkin : k == 1 ? kTop : kSkirt);
+            EXPECT_EQ(clothed.triangleLabel[t], k == 0 ? kSkin : k == 1 ? kTop : kBottom);
             for (int c = 0; c < 3; ++c) ASSERT_TRUE(mesh.triangles[t][c] >= layer.firstVertex && mesh.triangles[t][c] < vertex);
         }
         for (uint32_t v = layer.firstVertex; v < vertex; ++v) {
@@ -196,7 +106,7 @@ TEST(ClothedMesh, layersTileTheMeshAndShareNoPosition) {
 }
 
 TEST(ClothedMesh, theSkirtIsATubeWhereTheTrueSkirtIs) {
-    const SurfaceMesh found = layerOf(plainFit().clothed, 2), truth = skirt();
+    const SurfaceMesh found = layerOf(plainFit().clothed.mesh, 2), truth = skirt();
     // A tube: one piece, Euler characteristic 0, two borders.
     std::map<std::pair<uint32_t, uint32_t>, int> edges;
     for (const Triangle& t : found.triangles)
@@ -271,7 +181,7 @@ TEST(ClothedMesh, labelsThatAreNoGarmentGoToTheirSurroundings) {
     EXPECT_FALSE(fit->decisions[4].kept) << "a belt of one and a half pixels: " << fit->decisions[4].reason;
     ASSERT_EQ(fit->clothed.mesh.layers.size(), 3u);
     // The badge's surface belongs to the top.
-    const SurfaceMesh top = layerOf(fit->clothed, 1);
+    const SurfaceMesh top = layerOf(fit->clothed.mesh, 1);
     const ClosestSurface surface(top.positions, top.triangles);
     EXPECT_LT(surface.find({0, 1.12f, 0.156f}).distanceM, 0.015f);
 }
@@ -292,7 +202,7 @@ TEST(ClothedMesh, withoutLabelsTheBodyIsTheOnlyLayer) {
     };
     for (const Case& c : {Case{unlabelled, labels(), "has labels"}, Case{plainShots(), none, "no clothing labels"},
                           Case{one, labels(), "too few"}, Case{blank, labels(), "no common shape"}, Case{{}, labels(), "has labels"}}) {
-        const auto fit = makeClothedMesh({body(), rig, offsets, c.views, c.names}, {}, jobs);
+        const auto fit = makeClothedMesh({body(), rig, offsets, c.views, {}, c.names}, {}, jobs);
         ASSERT_TRUE(fit) << fit.error().message;
         EXPECT_NE(fit->summary.find(c.says), std::string::npos) << fit->summary;
         ASSERT_EQ(fit->clothed.mesh.layers.size(), 1u);
@@ -307,7 +217,7 @@ TEST(ClothedMesh, refusesWhatDoesNotFit) {
     const auto names = labels();
     std::vector<Vec3f> offsets(body().restPositions.size(), Vec3f(0));
     const auto code = [&](const std::vector<GarmentView>& views) {
-        const auto fit = makeClothedMesh({body(), rig, offsets, views, names}, {}, jobs);
+        const auto fit = makeClothedMesh({body(), rig, offsets, views, {}, names}, {}, jobs);
         return fit ? Code::Internal : fit.error().code;
     };
     std::vector<GarmentView> views(plainShots().begin(), plainShots().begin() + 2);
@@ -325,7 +235,7 @@ TEST(ClothedMesh, refusesWhatDoesNotFit) {
     EXPECT_EQ(code(plainShots()), Code::InvalidArgument);
     offsets.assign(body().restPositions.size(), Vec3f(0));
     const auto cancelled = makeClothedMesh(
-        {body(), rig, offsets, plainShots(), names}, [](double) { return false; }, jobs);
+        {body(), rig, offsets, plainShots(), {}, names}, [](double) { return false; }, jobs);
     ASSERT_FALSE(cancelled);
     EXPECT_EQ(cancelled.error().code, Code::Cancelled);
 }
