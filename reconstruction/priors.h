@@ -330,10 +330,13 @@ inline constexpr double kHullOutvotedShare = 0.04;
  *  unit: pictures | origin: dev; on scan-tiny, which has 15, layers lower the held-out alpha IoU of still frames from 0.965 to 0.943 |
  * half, double: half makes layers on scan-tiny; double not measured */
 inline constexpr size_t kFewestHullViews = 20;
-/** Pixels of skin or background between the legs, in all moving pictures together, that show trousers and not a skirt, if cloth has fewer.
- *  unit: pixels | origin: dev; free and cloth are 38 and 11 on procedural seed 1, 258 and 99 on scan-a, 398 and 5339 on scan-c's skirt |
- * half, double: half changes nothing there; double joins the legs of seed 1 */
-inline constexpr size_t kFewestFreePixels = 20;
+/** Pixels of skin or background between the legs, in all moving pictures together, below which a garment stays as the hull has it.
+ *  unit: pixels | origin: round figure; the smallest of three right ones, procedural seed 1, has 27 | half, double: not measured */
+inline constexpr size_t kFewestFreePixels = 10;
+/** How many of those there must be for each pixel of cloth, to show trousers and not a skirt.
+ *  unit: ratio | origin: dev; free and cloth are 27 and 3 on procedural seed 1, 57 and 6 on scan-a, 62 and 298 on seed 1 in a skirt, 0 and
+ * 2778 on scan-c's skirt | half, double: neither changes a decision there */
+inline constexpr size_t kFreePerCloth = 2;
 /** Distance from the body within which cloth follows the body's skin weights.
  *  unit: m | origin: round figure | half, double: not measured */
 inline constexpr double kClothContactM = 0.015;

@@ -102,6 +102,7 @@ void appendLayer(ClothedMesh& clothed, const ScanLabel& label, const MeshData& g
 /** A garment at rest with its skin weights. */
 struct WornGarment {
     MeshData mesh;
+    std::vector<Vec3f> still;  // its vertices in the still pose
     float largestWeightStep = 0;
 };
 
@@ -130,7 +131,7 @@ Result<const WornGarment*> wornOf(Outside& outside, const GarmentPiece& piece, c
     WornGarment& worn = outside.worn[piece.column];
     worn.mesh.restPositions = unposed(mesh, weights, body.worldFromRest);
     worn.mesh.jointIndices = std::move(weights.joints), worn.mesh.jointWeights = std::move(weights.weights);
-    worn.mesh.triangles = mesh.triangles;
+    worn.mesh.triangles = mesh.triangles, worn.still = mesh.positions;
     worn.largestWeightStep = weights.largestStep;
     return &worn;
 }
@@ -177,7 +178,8 @@ Result<std::vector<LegDecision>> partLegs(const GarmentInput& input, const Still
         if (other != parted.taken.pieces.end()) {
             DPL_TRY(const WornGarment* one, wornOf(outside, joined, input, body, jobs));
             DPL_TRY(const WornGarment* two, wornOf(parted, *other, input, body, jobs));
-            decisions.back().seen = betweenLegs(one->mesh, two->mesh, label.value, labels[0].value, input.joints, input.moving, jobs);
+            decisions.back().seen = betweenLegs(one->mesh, gap.between(one->still, one->mesh.triangles), two->mesh, label.value,
+                                                labels[0].value, input.joints, input.moving, jobs);
         }
         if (!decisions.back().seen.parted()) apart[joined.column] = 0, same = false;
     }

@@ -12,6 +12,7 @@ namespace {
 
 constexpr float kHalfM = 0.007f;        // of the slab: the cells of the hull are 8 mm wide
 constexpr float kBelowCrotchM = 0.02f;  // trousers hang below the crotch
+constexpr float kBetweenM = 0.03f;      // from the middle, within which cloth lies between the legs
 constexpr float kClosedM = 0.001f;      // of each wall, from the middle
 constexpr float kTaperM = 0.02f;        // below its top the slab closes less, or the ends of the walls would fold
 constexpr float kFadeM = 2 * kHalfM;    // beyond its faces the mesh moves less and less
@@ -72,6 +73,14 @@ LegGap::Halfway LegGap::halfway(const Vec3f& point) const {
 float LegGap::operator()(const Vec3f& point) const {
     if (empty() || !near(point)) return -1;
     return std::min(kHalfM - std::abs(halfway(point).sideM), topM_ - point.y);
+}
+
+std::vector<uint8_t> LegGap::between(std::span<const Vec3f> positions, std::span<const Triangle> triangles) const {
+    std::vector<uint8_t> at;
+    for (const Vec3f& p : positions) at.push_back(!empty() && near(p) && std::abs(halfway(p).sideM) < kBetweenM);
+    std::vector<uint8_t> flags;
+    for (const Triangle& t : triangles) flags.push_back(at[t.x] && at[t.y] && at[t.z]);
+    return flags;
 }
 
 void LegGap::close(SurfaceMesh& mesh, const std::function<bool(const Vec3f&)>& where) const {

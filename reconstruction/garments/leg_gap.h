@@ -5,6 +5,7 @@
 #include <functional>
 #include <optional>
 #include <span>
+#include <vector>
 
 #include "reconstruction/shape/closest_surface.h"
 #include "reconstruction/shape/implicit_mesh.h"
@@ -21,6 +22,8 @@ public:
     bool empty() const { return !left_; }
     /** Metres to the slab's faces: positive within it, negative outside. Far from the legs any negative number. Safe on several threads. */
     float operator()(const Vec3f& point) const;
+    /** Flags of the triangles of a mesh that lie within 3 cm of the points equally far from both legs, all corners below the slab's top. */
+    std::vector<uint8_t> between(std::span<const Vec3f> positions, std::span<const Triangle> triangles) const;
     /** Brings the two walls that the slab left in a mesh together, to 2 mm, so that nothing is seen between them in the still pose.
      * Vertices stay that are not at a place `where` the slab was cut. */
     void close(SurfaceMesh& mesh, const std::function<bool(const Vec3f&)>& where) const;

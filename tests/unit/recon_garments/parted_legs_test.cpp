@@ -18,13 +18,13 @@ float trouserLeg(const Vec3f& p, float side) {
 }
 
 /** All that hides the legs: trousers, or a skirt, which is one tube also where the legs part. */
-ModelledPerson person(bool skirt, const Pose& pose) {
+ModelledPerson person(bool skirt, const Pose& pose, float hemY = kTrouserHemY) {
     ModelledPerson out;
     const auto leg = [](const Vec3f& p) { return uint16_t(p.y > 0.85f ? 0 : p.x > 0 ? 1 : 2); };
     out.add(
         {body().restPositions, body().triangles}, [](const Vec3f&) { return kSkin; }, leg);
     out.add(topSurface(), [](const Vec3f& p) { return p.y > 0.93f && p.y < 1.33f ? kTop : uint8_t(0); });
-    const auto label = [](const Vec3f& p) { return p.y > kTrouserHemY && p.y < 0.95f ? kBottom : uint8_t(0); };
+    const auto label = [&](const Vec3f& p) { return p.y > hemY && p.y < 0.95f ? kBottom : uint8_t(0); };
     if (skirt) {
         std::vector<Mat3x4f> world;
         jointTransforms(joints(), pose, world);
@@ -56,11 +56,11 @@ Pose stride(float degrees) {
     return pose;
 }
 
-Result<GarmentFit> dressed(bool skirt, float strideDegrees) {
+Result<GarmentFit> dressed(bool skirt, float strideDegrees, float movingHemY = kTrouserHemY) {
     const std::vector<GarmentView> still = stillPictures(person(skirt, Pose::rest(3)), 24);
     std::vector<GarmentView> moving;
     for (int i = 0; i < 8 && strideDegrees > 0; ++i)
-        moving.push_back(picture(person(skirt, stride(strideDegrees)), stride(strideDegrees), i, 8));
+        moving.push_back(picture(person(skirt, stride(strideDegrees), movingHemY), stride(strideDegrees), i, 8));
     const std::vector<ScanLabel> labels = {{"background", 0}, {"body", kSkin}, {"top", kTop}, {"bottom", kBottom}};
     const std::vector<Vec3f> offsets(body().restPositions.size(), Vec3f(0));
     Jobs jobs(2);
@@ -155,6 +155,13 @@ TEST(PartedLegs, aSkirtStaysOneTube) {
     EXPECT_FALSE(fit->legs[0].seen.parted()) << fit->legs[0].seen.free << " free, " << fit->legs[0].seen.cloth << " cloth";
     EXPECT_GT(fit->legs[0].seen.cloth, 100u);
     EXPECT_GT(joinedLegs(fit->clothed.mesh).triangles, 10u);
+}
+
+TEST(PartedLegs, aSkirtWhoseHemSwungUpStaysOneTube) {
+    const auto fit = dressed(true, 20, kTrouserHemY + 0.2f);
+    ASSERT_TRUE(fit) << fit.error().message;
+    ASSERT_EQ(fit->legs.size(), 1u);
+    EXPECT_FALSE(fit->legs[0].seen.parted()) << fit->legs[0].seen.free << " free, " << fit->legs[0].seen.cloth << " cloth";
 }
 
 TEST(PartedLegs, withoutMovingPicturesClothStaysAsItIsSeen) {
