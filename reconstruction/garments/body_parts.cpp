@@ -23,7 +23,8 @@ std::vector<uint8_t> partsOfTriangles(const MeshData& mesh, std::span<const uint
     for (const Triangle& t : mesh.triangles) {
         std::array<int, 8> weight{};
         for (int c = 0; c < 3; ++c)
-            for (int k = 0; k < 4; ++k) weight[ofJoint[mesh.jointIndices[t[c]][k]]] += mesh.jointWeights[t[c]][k];
+            for (int k = 0; k < 4; ++k)
+                if (mesh.jointWeights[t[c]][k] != 0) weight[ofJoint[mesh.jointIndices[t[c]][k]]] += mesh.jointWeights[t[c]][k];
         parts.push_back(uint8_t(std::max_element(weight.begin(), weight.end()) - weight.begin()));
     }
     return parts;

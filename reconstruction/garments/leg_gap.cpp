@@ -22,8 +22,9 @@ constexpr uint8_t kLeft = 1, kRight = 2;
 int sideOf(const MeshData& body, std::span<const uint8_t> ofJoint, uint32_t v) {
     int side = 0;
     for (int k = 0; k < 4; ++k) {
+        if (body.jointWeights[v][k] == 0) continue;  // then the joint may be out of range
         const uint8_t part = ofJoint[body.jointIndices[v][k]];
-        if (body.jointWeights[v][k] != 0) side += int(body.jointWeights[v][k]) * (part == kLeft ? 1 : part == kRight ? -1 : 0);
+        side += int(body.jointWeights[v][k]) * (part == kLeft ? 1 : part == kRight ? -1 : 0);
     }
     return side;
 }

@@ -31,7 +31,7 @@ public:
 private:
     std::optional<ClosestSurface> left_, right_;
     float topM_ = 0;
-    Vec3f between_{0}, across_{0};  // the middle of the hips, and the unit vector from the right to the left hip
+    Vec3f between_{0}, across_{0};  // the middle of both legs, and the level unit vector from the right to the left one
     float reachM_ = 0;              // points farther from the middle along across_ lie outside the slab
 
     struct Halfway {
