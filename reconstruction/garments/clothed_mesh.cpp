@@ -24,6 +24,17 @@ namespace {
 constexpr double kLabelSmoothingM = 0.008;  // of the votes
 constexpr float kNudgeM = 2e-5f;            // between vertices of two layers at the same position
 
+Status checkView(const GarmentInput& input, const GarmentView& view, size_t i) {
+    const size_t pixels = size_t(view.camera.widthPx) * view.camera.heightPx;
+    if (view.mask.pixels.size() != pixels || view.mask.widthPx != view.camera.widthPx)
+        return fail(Code::InvalidArgument, "the mask of view {} is {} x {}, its camera {} x {}", i, view.mask.widthPx, view.mask.heightPx,
+                    view.camera.widthPx, view.camera.heightPx);
+    if (!view.labels.pixels.empty() && (view.labels.pixels.size() != pixels || view.labels.widthPx != view.camera.widthPx))
+        return fail(Code::InvalidArgument, "the labels of view {} are {} x {}, its camera {} x {}", i, view.labels.widthPx,
+                    view.labels.heightPx, view.camera.widthPx, view.camera.heightPx);
+    return checkPose(input.joints, view.pose);
+}
+
 Status checkInput(const GarmentInput& input) {
     const size_t count = input.body.restPositions.size();
     if (count == 0 || input.body.triangles.empty()) return fail(Code::InvalidArgument, "the body to dress is empty");
@@ -35,17 +46,7 @@ Status checkInput(const GarmentInput& input) {
     for (const Vec3f& o : input.bodyOffsets)
         if (!std::isfinite(o.x + o.y + o.z)) return fail(Code::InvalidArgument, "an offset of the body is not finite");
     for (const auto views : {input.views, input.moving})
-        for (size_t i = 0; i < views.size(); ++i) {
-            const GarmentView& view = views[i];
-            const size_t pixels = size_t(view.camera.widthPx) * view.camera.heightPx;
-            if (view.mask.pixels.size() != pixels || view.mask.widthPx != view.camera.widthPx)
-                return fail(Code::InvalidArgument, "the mask of view {} is {} x {}, its camera {} x {}", i, view.mask.widthPx,
-                            view.mask.heightPx, view.camera.widthPx, view.camera.heightPx);
-            if (!view.labels.pixels.empty() && (view.labels.pixels.size() != pixels || view.labels.widthPx != view.camera.widthPx))
-                return fail(Code::InvalidArgument, "the labels of view {} are {} x {}, its camera {} x {}", i, view.labels.widthPx,
-                            view.labels.heightPx, view.camera.widthPx, view.camera.heightPx);
-            DPL_CHECK_OK(checkPose(input.joints, view.pose));
-        }
+        for (size_t i = 0; i < views.size(); ++i) DPL_CHECK_OK(checkView(input, views[i], i));
     return {};
 }
 
@@ -114,11 +115,13 @@ struct Outside {
     std::map<uint32_t, WornGarment> worn;  // by column, once asked for
 };
 
-Result<Outside> outsideOf(SurfaceMesh hull, const ScalarField& field, const GarmentInput& input, const StillBody& body, Jobs& jobs) {
+/** fitted: the posed body. */
+Result<Outside> outsideOf(SurfaceMesh hull, const ScalarField& field, const ClosestSurface& fitted, const GarmentInput& input,
+                          const StillBody& body, Jobs& jobs) {
     Outside out{std::move(hull), {}, {}, {}};
     DPL_TRY(LabelField votes, voteLabels(out.hull, input.views, body.still.cameras, input.labels, kLabelSmoothingM, jobs));
     for (size_t v = 0; v < out.hull.positions.size(); ++v) out.column.push_back(votes.best(v));
-    const std::vector<float> underside = hemUndersides(out.hull, votes, field, ClosestSurface(body.posed, input.body.triangles));
+    const std::vector<float> underside = hemUndersides(out.hull, votes, field, fitted);
     out.taken = takeGarments(out.hull, std::move(votes), underside, {});
     return out;
 }
@@ -137,8 +140,9 @@ Result<const WornGarment*> wornOf(Outside& outside, const GarmentPiece& piece, c
 }
 
 /** Gives two legs to the garments of `outside` that moving pictures show parted. meshed: the hull of a field, in the still pose. */
-Result<std::vector<LegDecision>> partLegs(const GarmentInput& input, const StillBody& body, const ScalarField& field,
-                                          const std::function<SurfaceMesh(const ScalarField&)>& meshed, Outside& outside, Jobs& jobs) {
+Result<std::vector<LegDecision>> partLegs(const GarmentInput& input, const StillBody& body, const ClosestSurface& fitted,
+                                          const ScalarField& field, const std::function<SurfaceMesh(const ScalarField&)>& meshed,
+                                          Outside& outside, Jobs& jobs) {
     std::vector<LegDecision> decisions;
     const LegGap gap(input.body, input.joints, body.posed);
     const std::vector<ScanLabel> labels = votingLabels(input.labels);
@@ -165,7 +169,7 @@ Result<std::vector<LegDecision>> partLegs(const GarmentInput& input, const Still
         };
         SurfaceMesh hull = meshed(parted);
         gap.close(hull, parts);
-        return outsideOf(std::move(hull), parted, input, body, jobs);
+        return outsideOf(std::move(hull), parted, fitted, input, body, jobs);
     };
     DPL_TRY(Outside parted, withLegs());
     bool same = true;
@@ -243,15 +247,16 @@ Result<GarmentFit> makeClothedMesh(const GarmentInput& input, const std::functio
     for (const Vec3f& p : body.posed) low = glm::min(low, p), high = glm::max(high, p);
     const Vec3f margin(float(priors::kMaxOffsetM), 0.15f, float(priors::kMaxOffsetM));
     const SilhouetteField field(input.views, body.still.cameras, jobs);
-    const ScalarField inside = [&](const Vec3f& p) { return field(p); };
+    const ScalarField hullField = [&](const Vec3f& p) { return field(p); };
     const auto meshed = [&](const ScalarField& of) { return meshHull(of, low - margin, high + margin, {}, jobs); };
-    SurfaceMesh hull = field.empty() ? SurfaceMesh{} : meshed(inside);
+    SurfaceMesh hull = field.empty() ? SurfaceMesh{} : meshed(hullField);
     if (hull.triangles.empty()) return oneLayer("the masks of the still pictures have no common shape");
     DPL_CHECK_OK(report(0.3));
     fit.hullIou = meanIou(hull, input, body.still, jobs);
-    DPL_TRY(Outside outside, outsideOf(std::move(hull), inside, input, body, jobs));
+    const ClosestSurface fitted(body.posed, input.body.triangles);
+    DPL_TRY(Outside outside, outsideOf(std::move(hull), hullField, fitted, input, body, jobs));
     DPL_CHECK_OK(report(0.5));
-    DPL_TRY(fit.legs, partLegs(input, body, inside, meshed, outside, jobs));
+    DPL_TRY(fit.legs, partLegs(input, body, fitted, hullField, meshed, outside, jobs));
     GarmentPieces& taken = outside.taken;
     fit.decisions = std::move(taken.decisions);
     if (taken.pieces.empty()) return oneLayer("no label is worth a layer of its own");
@@ -273,16 +278,16 @@ Result<GarmentFit> makeClothedMesh(const GarmentInput& input, const std::functio
     fit.clothed = bodyLayer(input, offsets);
     DPL_CHECK_OK(report(0.8));
 
-    size_t vertices = 0, below = 0;
+    size_t vertices = 0, inside = 0;
     const ClosestSurface restBody(fit.clothed.mesh.restPositions, input.body.triangles);
     for (const GarmentPiece& piece : taken.pieces) {
         DPL_TRY(const WornGarment* garment, wornOf(outside, piece, input, body, jobs));
-        for (const Vec3f& p : garment->mesh.restPositions) below += restBody.signedDistance(p, 0.1f) < 0;
+        for (const Vec3f& p : garment->mesh.restPositions) inside += restBody.signedDistance(p, 0.1f) < 0;
         vertices += garment->mesh.restPositions.size();
         fit.largestWeightStep = std::max(fit.largestWeightStep, garment->largestWeightStep);
         appendLayer(fit.clothed, labels[piece.column], garment->mesh);
     }
-    fit.insideBody = double(below) / double(vertices);
+    fit.insideBody = double(inside) / double(vertices);
     separateLayers(fit.clothed.mesh);
     DPL_CHECK_OK(checkFinite(fit.clothed.mesh));
     fit.summary = formatText("{} layers beside the body", taken.pieces.size());

@@ -73,12 +73,10 @@ std::vector<uint8_t> partsBelow(std::span<const SurfacePoint> below, std::span<c
     return parts;
 }
 
-}  // namespace
-
-std::vector<SurfacePoint> wornBodyBelow(const SurfaceMesh& piece, const MeshData& body, std::span<const JointData> joints,
-                                        std::span<const Vec3f> posedBody) {
+/** wornBodyBelow(). ofTriangle: armsOfTriangles() of the body. */
+std::vector<SurfacePoint> wornBelow(const SurfaceMesh& piece, const MeshData& body, std::span<const Vec3f> posedBody,
+                                    std::span<const uint8_t> ofTriangle) {
     std::vector<SurfacePoint> below = bodyBelow(piece, ClosestSurface(posedBody, body.triangles));
-    const std::vector<uint8_t> ofTriangle = armsOfTriangles(body, joints);
     const std::vector<uint32_t> touched = underRestingHands(piece, partsBelow(below, ofTriangle));
     if (touched.empty()) return below;
     std::vector<uint32_t> armless;  // numbers of triangles that no arm moves
@@ -94,10 +92,18 @@ std::vector<SurfacePoint> wornBodyBelow(const SurfaceMesh& piece, const MeshData
     return below;
 }
 
+}  // namespace
+
+std::vector<SurfacePoint> wornBodyBelow(const SurfaceMesh& piece, const MeshData& body, std::span<const JointData> joints,
+                                        std::span<const Vec3f> posedBody) {
+    return wornBelow(piece, body, posedBody, armsOfTriangles(body, joints));
+}
+
 WornPiece withArmsApart(const SurfaceMesh& piece, const MeshData& body, std::span<const JointData> joints,
                         std::span<const Vec3f> posedBody) {
-    WornPiece worn{piece, wornBodyBelow(piece, body, joints, posedBody)};
-    const std::vector<uint8_t> parts = partsBelow(worn.below, armsOfTriangles(body, joints));
+    const std::vector<uint8_t> ofTriangle = armsOfTriangles(body, joints);
+    WornPiece worn{piece, wornBelow(piece, body, posedBody, ofTriangle)};
+    const std::vector<uint8_t> parts = partsBelow(worn.below, ofTriangle);
     std::array<bool, 5> sleeve{};
     for (const uint8_t lower : {kLeftLower, kRightLower}) sleeve[lower] = isSleeve(piece, parts, lower);
     const auto touches = [&](uint32_t arm, uint32_t other) {

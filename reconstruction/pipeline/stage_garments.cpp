@@ -21,7 +21,8 @@ Status dress(const StageRun& run, const IngestedScan& ingested, const FittedBody
     std::vector<GarmentView> moving;
     for (size_t f = 0; f < ingested.scan.frames.size(); ++f) {
         const ScanFrame& frame = ingested.scan.frames[f];
-        if (!isTrainingFrame(ingested, f) || frame.kind != FrameKind::Dynamic || frame.maskPath.empty()) continue;
+        if (!isTrainingFrame(ingested, f) || frame.kind != FrameKind::Dynamic || frame.maskPath.empty() || frame.labelsPath.empty())
+            continue;
         DPL_TRY(const auto picture, pictures.of(f));
         moving.push_back({body.cameras[f], picture->mask, picture->labels, body.fit.poses[f]});
     }
