@@ -10,8 +10,12 @@ uvec2 dplTilesIn(float low, float high, uint size) {
     return uvec2(first, clamp(end, first, int(size) - 1)) >> push.tileShift;
 }
 
-// First and last row of tiles that the bounding box touches.
-uvec2 dplSplatRows(float centrePx, float radiusPx, uint heightPx) { return dplTilesIn(centrePx - radiusPx, centrePx + radiusPx, heightPx); }
+const uvec2 kNoTiles = uvec2(1u, 0u);  // from the first to the last
+
+// First and last row of tiles that the bounding box touches; none where the view does not show the splat.
+uvec2 dplRowsOf(ProjectedSplat p, SplatEllipse ellipse) {
+    return dplShown(p.opacityAndRadius) ? dplTilesIn(p.centrePx.y - ellipse.radiusYPx, p.centrePx.y + ellipse.radiusYPx, push.heightPx) : kNoTiles;
+}
 
 // First and last column of tiles that the 1/255 ellipse (dplEllipseOf) touches within a row of tiles, from the first samples of the row
 // to the last. The outline is monotonic on either side of u = r and of u = -r, so the extremes are at those points or at the ends.
@@ -22,4 +26,8 @@ uvec2 dplSplatColumns(vec2 centrePx, SplatEllipse ellipse, uint row, uint widthP
     float right = clamp(r, u0, u1), left = clamp(-r, u0, u1);
     float high = r * right + sqrt(max(across * (1.0 - right * right), 0.0)), low = r * left - sqrt(max(across * (1.0 - left * left), 0.0));
     return dplTilesIn(centrePx.x + ellipse.radiusXPx * low - 0.01, centrePx.x + ellipse.radiusXPx * high + 0.01, widthPx);
+}
+
+ProjectedSplat dplRecord(uint slot) {
+    return dplProjected(DPL_FOUR(projected, kProjectedFours * slot), DPL_FOUR(projected, kProjectedFours * slot + 1u));
 }

@@ -23,10 +23,9 @@ DPL_CONST uint kCompactGroup = 64u;
 DPL_CONST uint kUnseenDepth = 0xFFFFFFFFu;  // sort depth of a splat that no view shows: a NaN, so no real depth equals it
 DPL_CONST uint kMaskWords = 4u;             // one bit for each splat of a group: set if some view shows it
 
-// Sorting and the lists of tiles. One lane works through kRun neighbouring entries in order, so a stable order needs neither atomics
-// nor barriers.
+// Sorting and the lists of tiles. A workgroup works through a run of kRun neighbouring entries, kRunGroup at a time.
 DPL_CONST uint kRun = 256u;
-DPL_CONST uint kRunGroup = 32u;
+DPL_CONST uint kRunGroup = 32u;  // the bits of a word
 DPL_CONST uint kSortDigitBits = 8u;
 DPL_CONST uint kSortDigits = 256u;
 DPL_CONST uint kSortIndexBits = 24u;   // bits of a splat number; a digit of the key fits into the bits above it
@@ -52,7 +51,8 @@ DPL_CONST float kPhiCodeStep = 0.0030679615757712823;  // π / 1024
 DPL_CONST uint kTilePxShift = 3u;      // one sample a pixel: a tile is 8 × 8 pixels
 DPL_CONST uint kFourTilePxShift = 2u;  // four samples a pixel: 4 × 4 pixels, so a tile has 64 samples either way
 DPL_CONST uint kTileGroup = 64u;       // of the fill kernel: 8 tiles, or 16 at four samples
-DPL_CONST uint kTileSegments = 4u;     // lanes that share the work on a row of tiles
+DPL_CONST uint kTileSegments = 4u;     // parts of the spans of a row, listed by a workgroup each
+DPL_CONST uint kMostTiles = 1024u;     // rows or columns of tiles in a view
 DPL_CONST float kTileStop = 1e-4;      // transmittance below which a pixel is done: 0.03 levels
 
 DPL_CONST uint kMeshDepthOwnPixels = 64u;  // a triangle with a larger bounding box is shared by all lanes of the workgroup

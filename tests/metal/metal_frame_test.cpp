@@ -235,7 +235,7 @@ std::vector<std::byte> tileLists(Backend& backend, std::span<const gpu::Projecte
     ids.tilePixels = make("pixels", tiles->pixelBytes);
     gpu::FrameCounts counts{};
     counts.visible = ids.splatCount, counts.runs = (ids.splatCount + gpu::kRun - 1) / gpu::kRun;
-    counts.runGroupsX = (counts.runs + gpu::kRunGroup - 1) / gpu::kRunGroup, counts.runGroupsY = counts.runGroupsZ = 1;
+    counts.runGroupsX = counts.runs, counts.runGroupsY = counts.runGroupsZ = 1;
     std::vector<uint32_t> order(ids.splatCount);
     std::iota(order.begin(), order.end(), 0u);
     EXPECT_TRUE(backend.write(ids.counts, 0, std::as_bytes(std::span(&counts, 1))));

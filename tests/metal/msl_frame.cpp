@@ -57,7 +57,7 @@ std::vector<uint32_t> visibilityOf(uint32_t groups, uint32_t splats) {
 
 void setRuns(gpu::FrameCounts& counts) {
     counts.runs = groupsFor(counts.visible, gpu::kRun);
-    counts.runGroupsX = groupsFor(counts.runs, gpu::kRunGroup);
+    counts.runGroupsX = counts.runs;
 }
 
 std::vector<uint32_t> sortPairs(std::vector<gpu::SortPair> pairs, gpu::FrameCounts& counts, int order, uint32_t rounds) {

@@ -10,6 +10,7 @@
 #include <cstdint>
 #include <cstring>
 #include <span>
+#include <utility>
 
 #include "sdk/math/half.h"
 
@@ -82,18 +83,33 @@ inline void pack(TargetFormat format, const StoredPixel& pixel, uint8_t* to) {
     }
 }
 
-/** A premultiplied, display-referred RGBA8 pixel of a layer over a stored one, before it is rounded. */
-inline StoredPixel over(TargetFormat format, const uint8_t* layer, const StoredPixel& stored) {
-    const double alpha = layer[3] / 255.0, through = 1 - alpha;
+/** A premultiplied, display-referred pixel of a layer over a stored one, before it is rounded. */
+inline StoredPixel over(TargetFormat format, const StoredPixel& layer, const StoredPixel& stored) {
+    const double alpha = layer[3], through = 1 - alpha;
     StoredPixel out;
     for (size_t c = 0; c < 4; ++c) {
         const bool light = c < 3 && isLinear(format), encoded = c < 3 && isSrgb(format);
-        const double value = layer[c] / 255.0;
+        const double value = layer[c];
         out[c] = !light ? value : alpha > 0 ? alpha * decodeSrgb(std::min(1.0, value / alpha)) : 0;
         if (through > 0) out[c] += through * (encoded ? decodeSrgb(stored[c]) : stored[c]);  // what is hidden may be infinite
         if (encoded) out[c] = encodeSrgb(out[c]);
     }
     return out;
+}
+
+/** The same for an RGBA8 pixel. */
+inline StoredPixel over(TargetFormat format, const uint8_t* layer, const StoredPixel& stored) {
+    return over(format, unpack(TargetFormat::Rgba8, layer), stored);
+}
+
+/** The least and the most that an RGBA8 pixel over a stored one may give if each of its codes may be off by `codes`. Colours only. */
+inline std::pair<StoredPixel, StoredPixel> overWithin(TargetFormat format, const uint8_t* layer, const StoredPixel& stored, double codes) {
+    StoredPixel low = unpack(TargetFormat::Rgba8, layer), high = low;
+    for (size_t c = 0; c < 4; ++c) {
+        const double change = c < 3 ? codes / 255 : -codes / 255;  // more alpha hides more of what is stored
+        low[c] = std::clamp(low[c] - change, 0.0, 1.0), high[c] = std::clamp(high[c] + change, 0.0, 1.0);
+    }
+    return {over(format, low, stored), over(format, high, stored)};
 }
 
 /** Composes a layer over the pixels of a target. */

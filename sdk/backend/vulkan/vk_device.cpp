@@ -2,6 +2,7 @@
 #include "sdk/backend/vulkan/vk_device.h"
 
 #include <algorithm>
+#include <atomic>
 #include <cstring>
 
 #include "sdk/backend/vulkan/vk_loader.h"
@@ -221,6 +222,14 @@ struct EnabledFeatures {
     }
 };
 
+// With its last instance a process unloads the driver. NVIDIA's cannot be loaded again and again: after about thirty times the thread-local
+// storage of the process is used up, and "the Vulkan loader finds no driver". So the first instance stays open.
+bool staysOpen(VkInstance instance) {
+    static std::atomic<VkInstance> first{VK_NULL_HANDLE};
+    VkInstance none = VK_NULL_HANDLE;
+    return first.compare_exchange_strong(none, instance);
+}
+
 }  // namespace
 
 Error failVk(std::string_view what, VkResult result) {
@@ -249,7 +258,7 @@ Device::~Device() {
     // openDevice may have failed before the functions were loaded.
     if (device && vk.vkDestroyDevice) vk.vkDestroyDevice(device, nullptr);
     if (messenger) vk.vkDestroyDebugUtilsMessengerEXT(instance, messenger, nullptr);
-    if (instance && vk.vkDestroyInstance) vk.vkDestroyInstance(instance, nullptr);
+    if (instance && vk.vkDestroyInstance && !staysOpen(instance)) vk.vkDestroyInstance(instance, nullptr);
 }
 
 Result<std::unique_ptr<Device>> openDevice(const VulkanTestOptions& options) {

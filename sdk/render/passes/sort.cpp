@@ -13,19 +13,17 @@ void addSort(FramePlan& plan, const FrameIds& ids) {
     const uint64_t args = offsetof(gpu::FrameCounts, runGroupsX);
     for (uint32_t round = 0; round < ids.sortRounds(); ++round) {
         const gpu::SortPush push{round * gpu::kSortDigitBits};
-        plan.fill("sort.clear", ids.digits.cells, 0);
         const uint32_t left = ids.sortRounds() - 1 - round;
         plan.compute("sort.count", left == 0 ? "sort.count.packed" : "sort.count")
             .reads(ids.counts, from)
-            .updates(ids.digits.cells)
+            .writes(ids.digits.cells)
             .push(push)
             .groupsFrom(ids.counts, args);
         addScan(plan, "sort.scan", ids.counts, ids.digits, {}, gpu::kSortDigits);
         plan.compute("sort.scatter", left == 0   ? "sort.scatter.packed"
                                      : left == 1 ? "sort.scatter.pack"
                                                  : "sort.scatter")
-            .reads(ids.counts, from)
-            .updates(ids.digits.places)
+            .reads(ids.counts, from, ids.digits.places)
             .writes(to)
             .push(push)
             .groupsFrom(ids.counts, args);

@@ -36,7 +36,9 @@ std::optional<TilePlan> planTiles(const FrameIds& ids, const DeviceInfo& device)
     const uint64_t firstTileTable = kTableHead + rows * runs;
     plan.tableWords = firstTileTable + tiles * gpu::kTileSegments;
     const uint64_t limit = std::min<uint64_t>(device.maxBindingBytes, UINT32_MAX) / 4;
-    if (plan.tableWords > limit || rows > device.maxGroups || records * p.rows > UINT32_MAX) return std::nullopt;
+    if (plan.tableWords > limit || rows * gpu::kTileSegments > device.maxGroups || std::max(p.rows, p.columns) > gpu::kMostTiles ||
+        records * p.rows > UINT32_MAX)
+        return std::nullopt;
     p.firstTileTable = uint32_t(firstTileTable);
     // Counts on the GPU have 32 bits. The capacity of spans is such that their entries cannot exceed that.
     p.spanCapacity = uint32_t(std::min({kSpansPerSplat * records + kSpansPer64Px * blocks, limit / 2, UINT32_MAX / uint64_t(p.columns)}));
@@ -64,23 +66,21 @@ std::string tileFillOf(const FrameIds& ids, uint32_t samples) {
 
 void addTiles(FramePlan& plan, const FrameIds& ids, const TilePlan& tiles) {
     const gpu::TilePush& push = tiles.push;
-    plan.fill("tiles.clear", ids.tiles.cells, 0);
     plan.compute("tiles.runs", ids.ofViews("tiles.runs"))
         .reads(ids.pairs, ids.projected, ids.counts)
-        .updates(ids.tiles.cells)
+        .writes(ids.tiles.cells)
         .push(push)
         .groupsFrom(ids.counts, offsetof(gpu::FrameCounts, runGroupsX));
     addScan(plan, "tiles.scan", ids.counts, ids.tiles, {0, push.firstRunTable, push.firstSpanSum}, tiles.rows());
     plan.compute("tiles.args", "tiles.args.spans").reads(ids.tiles.sums).updates(ids.counts).writes(ids.tiles.places).push(push).groups(1);
     plan.compute("tiles.spans", ids.ofViews("tiles.spans"))
-        .reads(ids.pairs, ids.projected)
-        .updates(ids.tiles.places)
+        .reads(ids.pairs, ids.projected, ids.tiles.places)
         .writes(ids.tileSpans)
         .push(push)
         .groupsFrom(ids.counts, offsetof(gpu::FrameCounts, spanGroupsX));
     plan.compute("tiles.count", "tiles.count")
         .reads(ids.tileSpans, ids.tiles.sums)
-        .updates(ids.tiles.cells)
+        .writes(ids.tiles.cells)
         .push(push)
         .groupsFrom(ids.counts, offsetof(gpu::FrameCounts, rowGroupsX));
     addScan(plan, "tiles.scan", ids.counts, ids.tiles, {push.columns * gpu::kTileSegments, push.firstTileTable, push.firstEntrySum},

@@ -53,7 +53,7 @@ void main() {
     mapDepths();
     counts.visible = visible;
     counts.runs = (visible + kRun - 1u) / kRun;
-    counts.runGroupsX = (counts.runs + kRunGroup - 1u) / kRunGroup;
+    counts.runGroupsX = counts.runs;
     counts.runGroupsY = 1u;
     counts.runGroupsZ = 1u;
     counts.drawVertices = 3u * visible;

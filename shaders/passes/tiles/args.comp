@@ -14,7 +14,7 @@ layout(std430, binding = 2) writeonly buffer PlaceBlock { uint places[]; };
 layout(push_constant) uniform PushBlock { TilePush push; };
 
 void main() {
-    uint rows = push.viewCount * push.rows, rowGroups = (rows * kTileSegments + kRunGroup - 1u) / kRunGroup;
+    uint rows = push.viewCount * push.rows, rowGroups = rows * kTileSegments;
 #ifdef DPL_ENTRIES
     uint entries = counts.tilesOverflowed == 0u ? sums[push.firstEntrySum + rows * kRowScanGroup] : 0u;
     bool fits = counts.tilesOverflowed == 0u && entries <= push.entryCapacity;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Writes the record numbers of each tile's splats, nearest first. Afterwards the places hold the end of each segment.
+// Writes the record numbers of each tile's splats, nearest first. A workgroup writes those of one segment of a row. Afterwards the places
+// hold the end of each segment.
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #include "shaders/shared/frame.h"
@@ -14,21 +15,25 @@ layout(std430, binding = 3) writeonly buffer EntryBlock { uint entries[]; };
 layout(push_constant) uniform PushBlock { TilePush push; };
 #include "shaders/lib/segment.glsl"
 
+#define DPL_LISTS kMostTiles
+#include "shaders/lib/ranks.glsl"
+
 void main() {
-    uint row = gl_GlobalInvocationID.x / kTileSegments, segment = gl_GlobalInvocationID.x % kTileSegments;
-    if (row >= push.viewCount * push.rows) return;
-    uint first = push.firstTileTable + row * push.columns * kTileSegments + segment, end;
-    uint i = dplSegment(row, segment, end);
-    if (i >= end) return;
-    TileSpan span = dplTileSpan(DPL_PAIR(spans, i));
-    uint column = dplFirstColumn(span.columns);
-    do {  // one column in each round, as in count.comp
-        uint cell = first + column * kTileSegments, place = places[cell];
-        entries[place] = span.record;
-        places[cell] = place + 1u;
-        bool last = column >= dplLastColumn(span.columns);
-        i += last ? 1u : 0u;
-        span = dplTileSpan(DPL_PAIR(spans, min(i, end - 1u)));
-        column = last ? dplFirstColumn(span.columns) : column + 1u;
-    } while (i < end);
+    uint row = gl_WorkGroupID.x / kTileSegments, segment = gl_WorkGroupID.x % kTileSegments, end;
+    uint cells = push.firstTileTable + row * push.columns * kTileSegments + segment;
+    for (uint column = gl_LocalInvocationIndex; column < push.columns; column += kRunGroup)
+        dplStartList(column, places[cells + column * kTileSegments]);
+    barrier();
+    for (uint first = dplSegment(row, segment, end); first < end; first += kRunGroup) {
+        uint i = first + gl_LocalInvocationIndex;
+        TileSpan span = dplTileSpan(i < end ? DPL_PAIR(spans, i) : uvec2(0u, 1u));  // past the end: from column 1 to 0
+        uint from = dplFirstColumn(span.columns), to = dplLastColumn(span.columns);
+        for (uint column = from; column <= to; ++column) dplJoin(column);
+        barrier();
+        for (uint column = from; column <= to; ++column) entries[dplPlaceIn(column)] = span.record;
+        barrier();
+        for (uint column = from; column <= to; ++column) dplLeave(column);
+    }
+    barrier();
+    for (uint column = gl_LocalInvocationIndex; column < push.columns; column += kRunGroup) places[cells + column * kTileSegments] = dplEnds[column];
 }

@@ -11,31 +11,34 @@ layout(local_size_x = 32) in;  // kRunGroup
 
 DPL_WORDS(0, OrderBlock, order);
 DPL_FOURS(1, ProjectedBlock, projected);  // ProjectedSplat
-layout(std430, binding = 2) buffer PlaceBlock { uint places[]; };
+DPL_WORDS(2, PlaceBlock, places);
 layout(std430, binding = 3) writeonly buffer SpanBlock { TileSpan spans[]; };
 layout(push_constant) uniform PushBlock { TilePush push; };
 #include "shaders/lib/tiles.glsl"
 
+#define DPL_LISTS kMostTiles
+#include "shaders/lib/ranks.glsl"
+
 void main() {
-    uint run = gl_GlobalInvocationID.x, runs = places[1];
-    if (run >= runs) return;
-    uint end = min((run + 1u) * kRun, places[0]);
-    for (uint i = run * kRun; i < end; ++i) {
-        uint splat = DPL_WORD(order, i);
-        for (uint v = 0u; v < kViews; ++v) {
-            uint slot = v * push.splatCount + splat;
-            ProjectedSplat p = dplProjected(DPL_FOUR(projected, kProjectedFours * slot), DPL_FOUR(projected, kProjectedFours * slot + 1u));
-            if (dplShown(p.opacityAndRadius)) {
-                SplatEllipse ellipse = dplEllipseOf(p);
-                uvec2 rows = dplSplatRows(p.centrePx.y, ellipse.radiusYPx, push.heightPx);
-                do {
-                    uvec2 columns = dplSplatColumns(p.centrePx, ellipse, rows.x, push.widthPx);
-                    uint bucket = v * push.rows + rows.x, cell = push.firstRunTable + bucket * runs + run, place = places[cell];
-                    places[cell] = place + 1u;
-                    spans[place] = TileSpan(slot, columns.x | columns.y << 16u);
-                    ++rows.x;
-                } while (rows.x <= rows.y);
+    uint visible = DPL_WORD(places, 0u), runs = DPL_WORD(places, 1u), run = gl_WorkGroupID.x, end = min((run + 1u) * kRun, visible);
+    for (uint v = 0u; v < kViews; ++v) {
+        if (v > 0u) barrier();  // lanes are leaving the rows of the view before
+        for (uint row = gl_LocalInvocationIndex; row < push.rows; row += kRunGroup)
+            dplStartList(row, DPL_WORD(places, push.firstRunTable + (v * push.rows + row) * runs + run));
+        barrier();
+        for (uint first = run * kRun; first < end; first += kRunGroup) {
+            uint i = first + gl_LocalInvocationIndex, slot = v * push.splatCount + DPL_WORD(order, min(i, end - 1u));
+            ProjectedSplat p = dplRecord(slot);
+            SplatEllipse ellipse = dplEllipseOf(p);
+            uvec2 rows = i < end ? dplRowsOf(p, ellipse) : kNoTiles;
+            for (uint row = rows.x; row <= rows.y; ++row) dplJoin(row);
+            barrier();
+            for (uint row = rows.x; row <= rows.y; ++row) {
+                uvec2 columns = dplSplatColumns(p.centrePx, ellipse, row, push.widthPx);
+                spans[dplPlaceIn(row)] = TileSpan(slot, columns.x | columns.y << 16u);
             }
+            barrier();
+            for (uint row = rows.x; row <= rows.y; ++row) dplLeave(row);
         }
     }
 }

@@ -50,6 +50,11 @@ inline uint atomic_fetch_or_explicit(atomic_uint* a, uint v, int) {
     *a = old | v;
     return old;
 }
+inline uint atomic_fetch_and_explicit(atomic_uint* a, uint v, int) {
+    const uint old = *a;
+    *a = old & v;
+    return old;
+}
 inline uint atomic_fetch_min_explicit(atomic_uint* a, uint v, int) {
     const uint old = *a;
     *a = std::min(old, v);

@@ -63,6 +63,13 @@ std::unique_ptr<AppDevice> AppDevice::open(const Options& options, std::string& 
 }
 
 bool AppDevice::openInstance(const Options& options, std::string& why) {
+    // Stays open, so that the driver stays loaded: NVIDIA's cannot be loaded more than about thirty times.
+    static const VkInstance kept = [] {
+        const VkInstanceCreateInfo plain{VK_STRUCTURE_TYPE_INSTANCE_CREATE_INFO};
+        VkInstance made = VK_NULL_HANDLE;
+        return vkCreateInstance(&plain, nullptr, &made) == VK_SUCCESS ? made : VK_NULL_HANDLE;
+    }();
+    (void)kept;
     validated = options.validation && hasValidation();
     const VkValidationFeatureEnableEXT synchronisation = VK_VALIDATION_FEATURE_ENABLE_SYNCHRONIZATION_VALIDATION_EXT;
     VkValidationFeaturesEXT features{VK_STRUCTURE_TYPE_VALIDATION_FEATURES_EXT};

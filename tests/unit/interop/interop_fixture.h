@@ -58,6 +58,20 @@ inline std::vector<uint8_t> background(VkFormat format) {
     return pixels;
 }
 
+/**
+ * Whether a pixel of the picture over a stored one may give `got`, on devices that keep Vulkan's rules:
+ * - a step of 8 bits, because the GPU blends from codes, too; two where it encodes sRGB (an H200 is up to 1.6 codes off, lavapipe 1.0);
+ * - quads keep the picture in halves, and the blit that makes the codes of a read-back may round a tie the other way.
+ */
+inline bool mayGive(VkFormat format, DplFill fill, const uint8_t* layer, const reference::StoredPixel& stored,
+                    const reference::StoredPixel& got) {
+    const double step = (reference::isSrgb(refereeFormat(format)) ? 2.01 : 1.01) / 255;
+    const auto [low, high] = reference::overWithin(refereeFormat(format), layer, stored, fill == DPL_FILL_TILES ? 0 : 1);
+    for (size_t c = 0; c < 3; ++c)
+        if (got[c] < std::min(1.0, low[c]) - step || got[c] > std::min(1.0, high[c]) + step) return false;
+    return true;
+}
+
 class Interop : public testing::Test {
 protected:
     /** Opens a device of the test's own and a context on it, or skips. */

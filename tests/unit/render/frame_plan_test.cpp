@@ -6,6 +6,7 @@
 #include "sdk/math/coverage.h"
 #include "sdk/render/avatar_upload.h"
 #include "sdk/render/gpu_renderer.h"
+#include "sdk/render/passes/tiles.h"
 #include "tests/reference/random_avatar.h"
 #include "tests/unit/format/sample_correctives.h"
 #include "tests/unit/render/tube_avatar.h"
@@ -43,8 +44,7 @@ TEST(FramePlan, runsThePassesInOrder) {
     ASSERT_TRUE(status) << status.error().message;
     std::vector<std::string> want = {"begin",         "pose.skin",     "pose.triangles", "chunks.mark",  "chunks.list",
                                      "splat.project", "compact.masks", "compact.scan",   "compact.args", "compact.scatter"};
-    for (int round = 0; round < 2; ++round)
-        want.insert(want.end(), {"sort.clear", "sort.count", "sort.scan", "sort.scan", "sort.scan", "sort.scatter"});
+    for (int round = 0; round < 2; ++round) want.insert(want.end(), {"sort.count", "sort.scan", "sort.scan", "sort.scan", "sort.scatter"});
     want.insert(want.end(), {"draw.splats", "counts"});
     EXPECT_EQ(gpu.record->lastLabels, want);
 }
@@ -174,10 +174,10 @@ TEST(FramePlan, tilesRunBetweenSortAndDraw) {
     const Status status = gpu.draw(*id, 32, 2, true);
     ASSERT_TRUE(status) << status.error().message;
     const std::vector<std::string>& labels = gpu.record->lastLabels;
-    const auto from = std::find(labels.begin(), labels.end(), "tiles.clear");
-    const std::vector<std::string> want = {"tiles.clear",   "tiles.runs",  "tiles.scan", "tiles.scan",  "tiles.scan", "tiles.args",
-                                           "tiles.spans",   "tiles.count", "tiles.scan", "tiles.scan",  "tiles.scan", "tiles.args",
-                                           "tiles.entries", "tiles.clear", "tiles.fill", "draw.splats", "counts"};
+    const auto from = std::find(labels.begin(), labels.end(), "tiles.runs");
+    const std::vector<std::string> want = {"tiles.runs",  "tiles.scan", "tiles.scan",  "tiles.scan", "tiles.args", "tiles.spans",
+                                           "tiles.count", "tiles.scan", "tiles.scan",  "tiles.scan", "tiles.args", "tiles.entries",
+                                           "tiles.clear", "tiles.fill", "draw.splats", "counts"};
     ASSERT_NE(from, labels.begin());
     EXPECT_EQ(*(from - 1), "sort.scatter");
     EXPECT_EQ(std::vector<std::string>(from, labels.end()), want);
@@ -205,6 +205,22 @@ TEST(FramePlan, aSizeWhoseTilesDoNotFitTheDeviceIsFilledByQuads) {
     EXPECT_EQ(std::count(gpu.record->lastLabels.begin(), gpu.record->lastLabels.end(), "tiles.fill"), 0);
 }
 
+TEST(FramePlan, aSideOfTooManyTilesHasNoLists) {
+    const DeviceInfo device{.maxBindingBytes = 1u << 30, .maxGroups = 65535};
+    FrameIds ids;
+    ids.splatCount = 100;
+    for (const auto& [samples, mostPx] :
+         {std::pair(1u, gpu::kMostTiles << gpu::kTilePxShift), std::pair(4u, gpu::kMostTiles << gpu::kFourTilePxShift)}) {
+        ids.samples = samples;
+        for (const auto& [widthPx, heightPx] :
+             {std::pair(mostPx, 16u), std::pair(16u, mostPx), std::pair(mostPx + 1, 16u), std::pair(16u, mostPx + 1)}) {
+            ids.widthPx = widthPx, ids.heightPx = heightPx;
+            EXPECT_EQ(planTiles(ids, device).has_value(), std::max(widthPx, heightPx) <= mostPx)
+                << widthPx << " x " << heightPx << " px, " << samples << " samples";
+        }
+    }
+}
+
 TEST(FramePlan, generalSplatsTakeTheSameFrameWithoutAPose) {
     NullSetup gpu;
     StaticSplatData splats = randomStaticSplats(1, 500, 2);
@@ -214,8 +230,7 @@ TEST(FramePlan, generalSplatsTakeTheSameFrameWithoutAPose) {
     ASSERT_TRUE(status) << status.error().message;
     std::vector<std::string> want = {"begin",        "splat.project", "splat.colour",   "compact.masks",
                                      "compact.scan", "compact.args",  "compact.scatter"};
-    for (int round = 0; round < 2; ++round)
-        want.insert(want.end(), {"sort.clear", "sort.count", "sort.scan", "sort.scan", "sort.scan", "sort.scatter"});
+    for (int round = 0; round < 2; ++round) want.insert(want.end(), {"sort.count", "sort.scan", "sort.scan", "sort.scan", "sort.scatter"});
     want.insert(want.end(), {"draw.splats", "counts"});
     EXPECT_EQ(gpu.record->lastLabels, want);
     const uint64_t created = gpu.record->createdObjects;

@@ -392,7 +392,7 @@ TEST_P(VulkanImage, reportsATimeForEachPassOfTheLastFrame) {
     EXPECT_EQ(times.front().label, "begin");
     EXPECT_EQ(times.back().label, "readback");
     EXPECT_NEAR(vulkan.renderer->timing(*id).ms, sum - times.back().milliseconds, 1e-6) << "the frame without reading it back";
-    EXPECT_EQ(times.size(), 1 + 2 + 2 + 1 + 4 + 12 + 3u + (GetParam() == Fill::Tiles ? 15u : 0u));
+    EXPECT_EQ(times.size(), 1 + 2 + 2 + 1 + 4 + 10 + 3u + (GetParam() == Fill::Tiles ? 14u : 0u));
 }
 
 // Without a low-pass a splat may be far smaller than a pixel. Then α falls so steeply from row to row that the ratio does not fit a float.

@@ -37,7 +37,7 @@ std::vector<uint32_t> sortOnDevice(Backend& backend, const Pairs& input, uint32_
     gpu::FrameCounts counts{};
     counts.visible = uint32_t(input.size());
     counts.runs = (counts.visible + gpu::kRun - 1) / gpu::kRun;
-    counts.runGroupsX = (counts.runs + gpu::kRunGroup - 1) / gpu::kRunGroup;
+    counts.runGroupsX = counts.runs;
     counts.runGroupsY = counts.runGroupsZ = 1;
     EXPECT_TRUE(backend.write(ids.counts, 0, std::as_bytes(std::span(&counts, 1))));
     EXPECT_TRUE(backend.write(ids.unsorted(), 0, std::as_bytes(std::span(input))));

@@ -79,7 +79,7 @@ class Place:
 @dataclasses.dataclass
 class Bench:
     name: str
-    group: str  # quick, long or unseen
+    group: str  # quick, long, gpu or unseen
     minutes: float  # duration on two idle cores
     about: str
     command: str  # as a person would type it, for the page
@@ -125,15 +125,53 @@ def take_baselines_large(place):
 SCALING = (60000, 133000, 267000, 533695, 1000000, 2000000)
 
 
-def take_scaling(place):
+def scaling(place, name, sizes, options):
     rows = []
-    for splats in SCALING:
+    for splats in sizes:
         big = blown_up(place, splats)
-        command = [place.program("doppel"), "bench", big, "--no-reference", "--repeats", 5]
-        rows += [row for row in place.json_lines(f"scaling-{splats}", command) if "pass" not in row]
+        command = [place.program("doppel"), "bench", big, "--no-reference", *options]
+        rows += [row for row in place.json_lines(f"{name}-{splats}", command) if "pass" not in row]
         if splats != 533695:
             big.unlink()
     return rows
+
+
+def take_scaling(place):
+    return scaling(place, "scaling", SCALING, ["--repeats", 5])
+
+
+# ---- the same on a GPU
+
+def needs_gpu(place):
+    """Skips on machines whose only Vulkan device is a driver on the CPU."""
+    rows = place.json_lines("gpu-device", [place.program("doppel"), "bench", place.avatar(), "--no-reference", "--renderers", "vulkan-tiles", "--repeats", 1])
+    device = rows[0]["device"] if rows else "no Vulkan device"
+    if not rows or "llvmpipe" in device or "SwiftShader" in device:
+        raise Skipped(f"needs a GPU; here is {device}")
+
+
+def take_gpu_frames(place):
+    needs_gpu(place)
+    return with_passes(place.json_lines("gpu-frames", [place.program("doppel"), "bench", place.avatar(), "--repeats", 101]))
+
+
+def take_gpu_alone(place):
+    needs_gpu(place)
+    rows = []
+    for renderer in ("vulkan-quads", "vulkan-tiles"):
+        command = [place.program("doppel"), "bench", place.avatar(), "--no-reference", "--renderers", renderer, "--repeats", 101]
+        rows += with_passes(place.json_lines(f"gpu-alone-{renderer}", command))
+    return rows
+
+
+def take_gpu_scaling(place):
+    needs_gpu(place)
+    return scaling(place, "gpu-scaling", (60000, 533695, 2000000), ["--renderers", "vulkan-quads", "vulkan-tiles", "--repeats", 21])
+
+
+def take_gpu_ways(place):
+    needs_gpu(place)
+    return take_ways(place)
 
 
 # ---- loading, memory, level of detail
@@ -443,6 +481,14 @@ BENCHES = [
           ladder("ladder-scan-a", lambda place: data(place, "scan-a"))),
     Bench("ladder-scan-c", "long", 5, "the same for scan-c", "doppel reconstruct ../shared/data/scan-c -o OUT --preset draft", DOPPEL,
           ladder("ladder-scan-c", lambda place: data(place, "scan-c"))),
+    Bench("gpu-frames", "gpu", 1, "frames on a GPU, every renderer in turn, against the double-precision referee",
+          "doppel bench demo/avatar/avatar.glb --repeats 101", DOPPEL, take_gpu_frames),
+    Bench("gpu-alone", "gpu", 0.3, "frames on a GPU, one renderer at a time",
+          "doppel bench demo/avatar/avatar.glb --no-reference --renderers vulkan-tiles --repeats 101", DOPPEL, take_gpu_alone),
+    Bench("gpu-scaling", "gpu", 0.7, "frame time on a GPU against the number of splats",
+          "doppel bench BIG.glb --no-reference --renderers vulkan-quads vulkan-tiles --repeats 21", ("doppel", "bench_load"), take_gpu_scaling),
+    Bench("gpu-ways", "gpu", 0.3, "what each way into a Vulkan program's image costs on a GPU",
+          "build/release/tests/unit/interop/bench_ways demo/avatar/avatar.glb 60", ("bench_ways",), take_gpu_ways),
 ] + [
     Bench(f"quality-procedural-{seed}", "unseen", 3, f"the procedural subject of seed {seed}, which nobody looked at", DRAFT.format(seed),
           DOPPEL, procedural(seed, f"quality-procedural-{seed}"))

@@ -17,6 +17,7 @@ EXAMPLES = """examples:
   tools/bench/publish --only load --only floor two of them
   tools/bench/publish --only long              scan-a, scan-a with the MakeHuman body, the biker
   tools/bench/publish --only unseen            procedural seeds 4 to 9
+  tools/bench/publish --only gpu               frames on a GPU, where the machine has one
   tools/bench/publish --render-only            only the pages, from docs/benchmarks/*.json
 A run that is cut off (Ctrl-C) continues when the same command is given again; --again starts it from the beginning."""
 
@@ -24,7 +25,7 @@ A run that is cut off (Ctrl-C) continues when the same command is given again; -
 def parse(arguments):
     parser = argparse.ArgumentParser(prog="tools/bench/publish", description=__import__("__main__").__doc__, epilog=EXAMPLES,
                                      formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--only", action="append", metavar="NAME", help="a bench, or a group: quick, long, unseen, all (default: quick)")
+    parser.add_argument("--only", action="append", metavar="NAME", help="a bench, or a group: quick, long, gpu, unseen, all (default: quick)")
     parser.add_argument("--list", action="store_true", help="list the benches and run nothing")
     parser.add_argument("--render-only", action="store_true", help="write the pages from the raw figures and run nothing")
     parser.add_argument("--out", type=pathlib.Path, help="folder for the pages instead of docs/ (its raw figures are still read there)")

@@ -27,7 +27,10 @@ def processor():
 
 
 def driver():
-    """The Vulkan driver's package. The device itself is named in each row by the bench."""
+    """The Vulkan driver. The device itself is named in each row by the bench."""
+    nvidia = output_of(["nvidia-smi", "--query-gpu=driver_version", "--format=csv,noheader"])
+    if nvidia:
+        return f"NVIDIA {nvidia}"
     version = output_of(["dpkg-query", "-W", "-f", "${Version}", "mesa-vulkan-drivers"])
     return f"Mesa {version}" if version else "unknown"
 

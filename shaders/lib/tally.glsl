@@ -1,0 +1,9 @@
+// SPDX-License-Identifier: Apache-2.0
+// Counts that the lanes of a workgroup add up in shared memory. The includer defines DPL_LISTS, the most counts.
+shared uint dplTally[DPL_LISTS];
+
+/** All lanes must call it. */
+void dplClearTally() {
+    for (uint list = gl_LocalInvocationIndex; list < DPL_LISTS; list += kRunGroup) dplTally[list] = 0u;
+    barrier();
+}
