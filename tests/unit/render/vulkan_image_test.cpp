@@ -437,7 +437,9 @@ TEST_P(VulkanImage, oneTinySplatIsRightWhereverItLiesInItsTile) {
             camera.widthPx = 5, camera.heightPx = 16, camera.fx = camera.fy = 30, camera.cx = 2.6f, camera.cy = float(eighth) / 8;
             const Difference d = compare(drawOne(*vulkan.renderer, *id, {}, camera),
                                          renderReference(splats, referenceCamera(camera), {.kappaPx2 = kappaPx2, .compensated = false}));
-            ASSERT_LE(d.maxError, 0.5 / 255 + 1e-4) << "κ " << kappaPx2 << ", centre at " << camera.cy;
+            // Quads blend in halves, whose steps just below 1 are 2^-11. An H200 is 0.55 codes off.
+            ASSERT_LE(d.maxError, 0.5 / 255 + (GetParam() == Fill::Quads ? 1 / 4096.0 : 0) + 1e-4)
+                << "κ " << kappaPx2 << ", centre at " << camera.cy;
             ASSERT_GT(d.covered, 0.005) << camera.cy;
         }
         expectFilledBy(*vulkan.renderer, *id, GetParam());

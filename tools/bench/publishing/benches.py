@@ -155,15 +155,6 @@ def take_gpu_frames(place):
     return with_passes(place.json_lines("gpu-frames", [place.program("doppel"), "bench", place.avatar(), "--repeats", 101]))
 
 
-def take_gpu_alone(place):
-    needs_gpu(place)
-    rows = []
-    for renderer in ("vulkan-quads", "vulkan-tiles"):
-        command = [place.program("doppel"), "bench", place.avatar(), "--no-reference", "--renderers", renderer, "--repeats", 101]
-        rows += with_passes(place.json_lines(f"gpu-alone-{renderer}", command))
-    return rows
-
-
 def take_gpu_scaling(place):
     needs_gpu(place)
     return scaling(place, "gpu-scaling", (60000, 533695, 2000000), ["--renderers", "vulkan-quads", "vulkan-tiles", "--repeats", 21])
@@ -483,8 +474,6 @@ BENCHES = [
           ladder("ladder-scan-c", lambda place: data(place, "scan-c"))),
     Bench("gpu-frames", "gpu", 1, "frames on a GPU, every renderer in turn, against the double-precision referee",
           "doppel bench demo/avatar/avatar.glb --repeats 101", DOPPEL, take_gpu_frames),
-    Bench("gpu-alone", "gpu", 0.3, "frames on a GPU, one renderer at a time",
-          "doppel bench demo/avatar/avatar.glb --no-reference --renderers vulkan-tiles --repeats 101", DOPPEL, take_gpu_alone),
     Bench("gpu-scaling", "gpu", 0.7, "frame time on a GPU against the number of splats",
           "doppel bench BIG.glb --no-reference --renderers vulkan-quads vulkan-tiles --repeats 21", ("doppel", "bench_load"), take_gpu_scaling),
     Bench("gpu-ways", "gpu", 0.3, "what each way into a Vulkan program's image costs on a GPU",

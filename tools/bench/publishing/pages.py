@@ -33,13 +33,13 @@ def frame_table(rows):
                   "FLIP", "splats drawn", "resident, MiB"], body)
 
 
-def pass_table(rows, case):
+def pass_table(rows, case, digits=2):
     chosen = [r for r in rows if r.get("case") == case and r.get("pass_gpu_ms")]
     labels = list(dict.fromkeys(label for r in chosen for label in r["pass_gpu_ms"]))
     if not labels:
         return ""
     return f"GPU ms of each pass, {case}:\n\n" + table(["pass", *(short(r) for r in chosen)],
-                                                      [[label, *(number(r["pass_gpu_ms"].get(label), 2) for r in chosen)] for label in labels]) + "\n"
+                                                      [[label, *(number(r["pass_gpu_ms"].get(label), digits) for r in chosen)] for label in labels]) + "\n"
 
 
 FRAME_WORDS = (
@@ -54,8 +54,8 @@ def devices(rows):
     return "Devices: " + "; ".join(names) + ".\n\n" if names else ""
 
 
-def frame_body(rows):
-    return devices(rows) + frame_table(rows) + "\n" + pass_table(rows, PHONE) + pass_table(rows, HEADSET)
+def frame_body(rows, digits=2):
+    return devices(rows) + frame_table(rows) + "\n" + pass_table(rows, PHONE, digits) + pass_table(rows, HEADSET, digits)
 
 
 def frames(store):
@@ -226,9 +226,8 @@ def gpu(store):
     text = BACK + (
         "# On a GPU\n\n" + FRAME_WORDS.replace("on lavapipe, Mesa's Vulkan on the CPU, that clock counts CPU time. ", "") +
         "A data-centre GPU is no phone: it has many more compute units, and few units that rasterise, so quads look slower beside tiles than "
-        "they are on a GPU that is made for drawing. On the other hand it runs at a third of its clock until it is busy.\n\n")
-    return text + section(store, "gpu-frames", "Renderers in turn: caches are cold, as in an app that draws other things between", frame_body) + section(
-        store, "gpu-alone", "One renderer at a time", lambda rows: frame_table(rows) + "\n" + pass_table(rows, PHONE) + pass_table(rows, HEADSET)) + section(
+        "they are on a GPU that is made for drawing. Its clock was left to itself.\n\n")
+    return text + section(store, "gpu-frames", "What users can choose", lambda rows: frame_body(rows, 3)) + section(
         store, "gpu-scaling", "Against the number of splats, by the GPU's clock", lambda rows: scaling_body(rows, "gpu_ms_p50")) + section(
         store, "gpu-ways", "Ways into an app's image", ways_table)
 
