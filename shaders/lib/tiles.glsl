@@ -4,17 +4,20 @@
 // First and last tile with pixels that have samples in [low, high]; `size` is in pixels. The result has at least one tile: a needless
 // entry draws nothing.
 uvec2 dplTilesIn(float low, float high, uint size) {
-    float last = float(size) - 1.0;
-    int first = int(clamp(ceil(low - push.reachPx - 0.5), 0.0, last)), end = int(clamp(floor(high + push.reachPx - 0.5), 0.0, last));
+    precise float from = low - push.reachPx - 0.5, to = high + push.reachPx - 0.5, last = float(size) - 1.0;
+    int first = int(clamp(ceil(from), 0.0, last)), end = int(clamp(floor(to), 0.0, last));
     first = clamp(first, 0, int(size) - 1);  // clamps again after the conversion to int, so that a NaN cannot leave the lists
     return uvec2(first, clamp(end, first, int(size) - 1)) >> push.tileShift;
 }
 
 const uvec2 kNoTiles = uvec2(1u, 0u);  // from the first to the last
 
-// First and last row of tiles that the bounding box touches; none where the view does not show the splat.
+// First and last row of tiles that the bounding box touches; none where the view does not show the splat. One kernel counts spans by it and
+// another writes them, so what it computes is `precise`: a compiler that fused a product and a sum in one of them only could make lists that
+// are longer than was counted.
 uvec2 dplRowsOf(ProjectedSplat p, SplatEllipse ellipse) {
-    return dplShown(p.opacityAndRadius) ? dplTilesIn(p.centrePx.y - ellipse.radiusYPx, p.centrePx.y + ellipse.radiusYPx, push.heightPx) : kNoTiles;
+    precise float low = p.centrePx.y - ellipse.radiusYPx, high = p.centrePx.y + ellipse.radiusYPx;
+    return dplShown(p.opacityAndRadius) ? dplTilesIn(low, high, push.heightPx) : kNoTiles;
 }
 
 // First and last column of tiles that the 1/255 ellipse (dplEllipseOf) touches within a row of tiles, from the first samples of the row
