@@ -60,6 +60,7 @@ TEST_P(InteropFormats, composesWhatTheRefereeComposes) {
             ASSERT_TRUE(mayGive(format, fill, &layer[4 * i], reference::unpack(refereeFormat(format), &under[4 * i]),
                                 reference::unpack(refereeFormat(format), &drawn[4 * i])))
                 << "an opaque pixel is the picture's";
+            ASSERT_NEAR(drawn[4 * i + 3], expected[4 * i + 3], 1);
         }
         EXPECT_GT(empty, 1000u);
         EXPECT_LT(empty, layer.size() / 4 - 500) << "the avatar covers pixels";
