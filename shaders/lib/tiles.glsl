@@ -12,9 +12,9 @@ uvec2 dplTilesIn(float low, float high, uint size) {
 
 const uvec2 kNoTiles = uvec2(1u, 0u);  // from the first to the last
 
-// First and last row of tiles that the bounding box touches; none where the view does not show the splat. One kernel counts spans by it and
-// another writes them, so what it computes is `precise`: a compiler that fused a product and a sum in one of them only could make lists that
-// are longer than was counted.
+// First and last row of tiles that the bounding box touches; none where the view does not show the splat. One kernel counts spans by it
+// and another writes them, so what it computes is `precise`: a compiler that fused a product and a sum in one of them only could make
+// lists that are longer than was counted.
 uvec2 dplRowsOf(ProjectedSplat p, SplatEllipse ellipse) {
     precise float low = p.centrePx.y - ellipse.radiusYPx, high = p.centrePx.y + ellipse.radiusYPx;
     return dplShown(p.opacityAndRadius) ? dplTilesIn(low, high, push.heightPx) : kNoTiles;

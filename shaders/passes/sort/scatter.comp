@@ -28,7 +28,8 @@ layout(push_constant) uniform PushBlock { SortPush push; };
 
 void main() {
     uint run = gl_WorkGroupID.x, end = min((run + 1u) * kRun, counts.visible);
-    for (uint digit = gl_LocalInvocationIndex; digit < kSortDigits; digit += kRunGroup) dplStartList(digit, DPL_WORD(places, digit * counts.runs + run));
+    for (uint digit = gl_LocalInvocationIndex; digit < kSortDigits; digit += kRunGroup)
+        dplStartList(digit, DPL_WORD(places, digit * counts.runs + run));
     barrier();
     for (uint first = run * kRun; first < end; first += kRunGroup) {
         uint i = first + gl_LocalInvocationIndex;

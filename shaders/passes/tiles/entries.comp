@@ -35,5 +35,6 @@ void main() {
         for (uint column = from; column <= to; ++column) dplLeave(column);
     }
     barrier();
-    for (uint column = gl_LocalInvocationIndex; column < push.columns; column += kRunGroup) places[cells + column * kTileSegments] = dplEnds[column];
+    for (uint column = gl_LocalInvocationIndex; column < push.columns; column += kRunGroup)
+        places[cells + column * kTileSegments] = dplEnds[column];
 }

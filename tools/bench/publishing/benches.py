@@ -144,7 +144,8 @@ def take_scaling(place):
 
 def needs_gpu(place):
     """Skips on machines whose only Vulkan device is a driver on the CPU."""
-    rows = place.json_lines("gpu-device", [place.program("doppel"), "bench", place.avatar(), "--no-reference", "--renderers", "vulkan-tiles", "--repeats", 1])
+    command = [place.program("doppel"), "bench", place.avatar(), "--no-reference", "--renderers", "vulkan-tiles", "--repeats", 1]
+    rows = place.json_lines("gpu-device", command)
     device = rows[0]["device"] if rows else "no Vulkan device"
     if not rows or "llvmpipe" in device or "SwiftShader" in device:
         raise Skipped(f"needs a GPU; here is {device}")
