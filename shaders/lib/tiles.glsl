@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Which tiles a splat touches. The includer declares the push constants as TilePush `push` and includes lib/projected.glsl.
+// Which tiles a splat touches. The includer includes lib/projected.glsl, and declares `projected` by DPL_FOURS and the push constants as
+// TilePush `push`.
 
 // First and last tile with pixels that have samples in [low, high]; `size` is in pixels. The result has at least one tile: a needless
 // entry draws nothing.

@@ -21,7 +21,7 @@ layout(push_constant) uniform PushBlock { SortPush push; };
 
 void main() {
     uint run = gl_WorkGroupID.x, end = min((run + 1u) * kRun, counts.visible);
-    dplClearTally();
+    dplClearTally(kSortDigits);
     for (uint i = run * kRun + gl_LocalInvocationIndex; i < end; i += kRunGroup) {
 #ifdef DPL_PACKED
         uint digit = DPL_WORD(pairs, i) >> kSortIndexBits;

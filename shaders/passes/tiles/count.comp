@@ -18,7 +18,7 @@ layout(push_constant) uniform PushBlock { TilePush push; };
 
 void main() {
     uint row = gl_WorkGroupID.x / kTileSegments, segment = gl_WorkGroupID.x % kTileSegments, end;
-    dplClearTally();
+    dplClearTally(push.columns);
     for (uint i = dplSegment(row, segment, end) + gl_LocalInvocationIndex; i < end; i += kRunGroup) {
         uint columns = dplTileSpan(DPL_PAIR(spans, i)).columns;
         for (uint column = dplFirstColumn(columns); column <= dplLastColumn(columns); ++column) atomicAdd(dplTally[column], 1u);

@@ -22,7 +22,7 @@ void main() {
     uint run = gl_WorkGroupID.x, end = min((run + 1u) * kRun, counts.visible);
     for (uint v = 0u; v < kViews; ++v) {
         if (v > 0u) barrier();  // the counts of the view before are in use
-        dplClearTally();
+        dplClearTally(push.rows);
         for (uint i = run * kRun + gl_LocalInvocationIndex; i < end; i += kRunGroup) {
             ProjectedSplat p = dplRecord(v * push.splatCount + DPL_WORD(order, i));
             uvec2 rows = dplRowsOf(p, dplEllipseOf(p));

@@ -423,14 +423,14 @@ DOPPEL = ("doppel",)
 DRAFT = "doppel sample -o scan --seed {0} && doppel reconstruct scan -o OUT --preset draft"
 
 BENCHES = [
-    Bench("quality-procedural-1", "quick", 3, "the procedural subject of seed 1, the demo's", DRAFT.format(1), DOPPEL,
+    Bench("quality-procedural-1", "quick", 7, "the procedural subject of seed 1, the demo's", DRAFT.format(1), DOPPEL,
           procedural(1, "quality-procedural-1")),
-    Bench("quality-procedural-1-makehuman", "quick", 3, "the same scan with the MakeHuman body",
+    Bench("quality-procedural-1-makehuman", "quick", 6, "the same scan with the MakeHuman body",
           "doppel body import ../shared/data/body-makehuman -o makehuman.glb && doppel reconstruct scan -o OUT --preset draft --body makehuman.glb",
           DOPPEL, procedural(1, "quality-procedural-1-makehuman", makehuman)),
-    Bench("speed-error", "quick", 3, "frames of what users can choose, against the double-precision referee",
+    Bench("speed-error", "quick", 0.5, "frames of what users can choose, against the double-precision referee",
           "doppel bench demo/avatar/avatar.glb --repeats 9", DOPPEL, take_speed_error),
-    Bench("baselines", "quick", 4, "frames with one optimisation switched off, and the frozen plain frame",
+    Bench("baselines", "quick", 2, "frames with one optimisation switched off, and the frozen plain frame",
           "build/release/tools/bench/frames/bench_frames demo/avatar/avatar.glb --repeats 9", ("bench_frames",), take_baselines),
     Bench("baselines-large", "quick", 4, "the same with 533,695 splats, without the referee",
           "build/release/tools/bench/frames/bench_frames big.glb --no-reference --repeats 9", ("bench_frames", "bench_load"), take_baselines_large),
@@ -476,11 +476,12 @@ BENCHES = [
     Bench("gpu-frames", "gpu", 1, "frames on a GPU, every renderer in turn, against the double-precision referee",
           "doppel bench demo/avatar/avatar.glb --repeats 101", DOPPEL, take_gpu_frames),
     Bench("gpu-scaling", "gpu", 0.7, "frame time on a GPU against the number of splats",
-          "doppel bench BIG.glb --no-reference --renderers vulkan-quads vulkan-tiles --repeats 21", ("doppel", "bench_load"), take_gpu_scaling),
+          "doppel bench BIG.glb --no-reference --renderers vulkan-quads vulkan-tiles --repeats 21", ("doppel", "bench_load"),
+          take_gpu_scaling),
     Bench("gpu-ways", "gpu", 0.3, "what each way into a Vulkan program's image costs on a GPU",
           "build/release/tests/unit/interop/bench_ways demo/avatar/avatar.glb 60", ("bench_ways",), take_gpu_ways),
 ] + [
-    Bench(f"quality-procedural-{seed}", "unseen", 3, f"the procedural subject of seed {seed}, which nobody looked at", DRAFT.format(seed),
+    Bench(f"quality-procedural-{seed}", "unseen", 7, f"the procedural subject of seed {seed}, which nobody looked at", DRAFT.format(seed),
           DOPPEL, procedural(seed, f"quality-procedural-{seed}"))
     for seed in range(4, 10)
 ]

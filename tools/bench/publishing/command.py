@@ -12,7 +12,7 @@ import time
 from . import benches, machine, pages, raw
 
 EXAMPLES = """examples:
-  tools/bench/publish                          the quick benches (about 20 minutes on two quiet cores), then all pages
+  tools/bench/publish                          the quick benches (about 26 minutes on two quiet cores), then all pages
   tools/bench/publish --list                   the benches, how long each takes, and what is on record
   tools/bench/publish --only load --only floor two of them
   tools/bench/publish --only long              scan-a, scan-a with the MakeHuman body, the biker
@@ -25,7 +25,8 @@ A run that is cut off (Ctrl-C) continues when the same command is given again; -
 def parse(arguments):
     parser = argparse.ArgumentParser(prog="tools/bench/publish", description=__import__("__main__").__doc__, epilog=EXAMPLES,
                                      formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--only", action="append", metavar="NAME", help="a bench, or a group: quick, long, gpu, unseen, all (default: quick)")
+    parser.add_argument("--only", action="append", metavar="NAME",
+                        help="a bench, or a group: quick, long, gpu, unseen, all (default: quick)")
     parser.add_argument("--list", action="store_true", help="list the benches and run nothing")
     parser.add_argument("--render-only", action="store_true", help="write the pages from the raw figures and run nothing")
     parser.add_argument("--out", type=pathlib.Path, help="folder for the pages instead of docs/ (its raw figures are still read there)")

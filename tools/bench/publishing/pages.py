@@ -38,8 +38,8 @@ def pass_table(rows, case, digits=2):
     labels = list(dict.fromkeys(label for r in chosen for label in r["pass_gpu_ms"]))
     if not labels:
         return ""
-    return f"GPU ms of each pass, {case}:\n\n" + table(["pass", *(short(r) for r in chosen)],
-                                                      [[label, *(number(r["pass_gpu_ms"].get(label), digits) for r in chosen)] for label in labels]) + "\n"
+    body = [[label, *(number(r["pass_gpu_ms"].get(label), digits) for r in chosen)] for label in labels]
+    return f"GPU ms of each pass, {case}:\n\n" + table(["pass", *(short(r) for r in chosen)], body) + "\n"
 
 
 FRAME_WORDS = (
@@ -132,7 +132,8 @@ What Apple's driver adds is not known: no Apple device has run it. The Vulkan ba
 
 
 def ways_table(rows):
-    return table(["case", "way", "calling thread, ms", "frame, ms", "pixels over the bus, MB", "allocations a frame", "to the CPU renderer, dB"],
+    return table(["case", "way", "calling thread, ms", "frame, ms", "pixels over the bus, MB", "allocations a frame",
+                  "to the CPU renderer, dB"],
                  [[r["case"], r["way"] + (" (multiview)" if r["multiview"] else ""), barred(r, "thread_ms", 3), number(r["frame_ms"], 1),
                    barred(r, "pixel_bytes", 1, scale=1e-6), barred(r, "allocations", 1), barred(r, "psnr_db", 1)] for r in rows])
 
@@ -200,7 +201,8 @@ def scaling_body(rows, field="ms_p50"):
         lines = []
         for splats in sorted({r["splats"] for r in chosen}):
             by = {r["renderer"]: r[field] for r in chosen if r["splats"] == splats}
-            lines.append([number(splats, 0)] + [f"{number(by[n], 1)} ms, {number(by[n] * 1e6 / splats, 0)} ns" if n in by else NOTHING for n in names])
+            cells = [f"{number(by[n], 1)} ms, {number(by[n] * 1e6 / splats, 0)} ns" if n in by else NOTHING for n in names]
+            lines.append([number(splats, 0), *cells])
         text += f"{case}, ms a frame and ns a splat:\n\n" + table(["splats", *(RENDERERS[n] for n in names)], lines) + "\n"
     return text
 
@@ -220,17 +222,16 @@ def floor(store):
     return text + section(store, "floor", "General splats", body)
 
 
-# ---- the front page
-
 def gpu(store):
     text = BACK + (
-        "# On a GPU\n\n" + FRAME_WORDS.replace("on lavapipe, Mesa's Vulkan on the CPU, that clock counts CPU time. ", "") +
-        "A data-centre GPU is no phone: it has many more compute units, and few units that rasterise, so quads look slower beside tiles than "
-        "they are on a GPU that is made for drawing. Its clock was left to itself.\n\n")
+        "# On a GPU\n\n" + FRAME_WORDS + "A data-centre GPU is no phone: it has many more compute units, and few units that rasterise, "
+        "so quads look slower beside tiles than they are on a GPU that is made for drawing. Its clock was left to itself.\n\n")
     return text + section(store, "gpu-frames", "What users can choose", lambda rows: frame_body(rows, 3)) + section(
         store, "gpu-scaling", "Against the number of splats, by the GPU's clock", lambda rows: scaling_body(rows, "gpu_ms_p50")) + section(
         store, "gpu-ways", "Ways into an app's image", ways_table)
 
+
+# ---- the front page
 
 def best_vulkan(rows, case, field="ms_p50"):
     chosen = [r for r in rows if r.get("case") == case and r.get("renderer", "").startswith("vulkan")]
