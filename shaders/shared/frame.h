@@ -182,9 +182,8 @@ struct FrameCounts {                          // written and read by the GPU; co
     uint tileEntries;                               // entries of all tiles
     uint rowGroupsX, rowGroupsY, rowGroupsZ;  // VkDispatchIndirectCommand over segments of rows of tiles; zero when the spans do not fit
     uint tilesOverflowed;                     // 1: a list was too small, so the quads draw this frame
-    uint entryGroupsX, entryGroupsY,
-        entryGroupsZ;  // VkDispatchIndirectCommand over segments of rows of tiles; zero when the entries do not fit
-    uint fillGroupsX, fillGroupsY, fillGroupsZ;  // VkDispatchIndirectCommand over the tiles; zero when the entries do not fit
+    uint entryGroupsX, entryGroupsY, entryGroupsZ;  // the same; zero when the entries do not fit
+    uint fillGroupsX, fillGroupsY, fillGroupsZ;     // VkDispatchIndirectCommand over the tiles; zero when the entries do not fit
     uint depthMaxBits[16];  // by subject (kMaxDrawn): extent along the sort axis, as ordered bits (lib/order.glsl); 0: none
     uint depthMinBitsInverted[16];
     float keyStart[16];  // by subject: depth key = (depth - keyStart) * keyScale + keyOffset
