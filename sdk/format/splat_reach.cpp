@@ -15,7 +15,9 @@ std::vector<TriangleReach> reachOfTriangles(const CodedSplats& s, size_t triangl
         for (uint32_t i = c.firstSplat; i < c.firstSplat + c.splatCount; ++i) {
             TriangleReach& triangle = out[s.parents[c.firstParent + s.parent[i]]];
             const uint32_t place = s.place[i], size = s.size[i];
-            ++(size & kSingleFaceBit ? triangle.gatedSplats : triangle.freeSplats);
+            const bool gated = size & kSingleFaceBit;
+            triangle.gatedSplats += gated;
+            triangle.freeSplats += !gated;
             const float opacity = float(size >> 22 & 255) / 255;
             if (!(opacity > float(kMinAlpha))) continue;  // never seen
             const float rootLevel = std::sqrt(2 * std::log(opacity / float(kMinAlpha)));
