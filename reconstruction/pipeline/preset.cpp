@@ -32,18 +32,23 @@ RunSettings settingsOf(const ReconstructOptions& options) {
             s.poseFit.iterations = 120;
             break;
     }
-    if (options.steps > 0) {
-        s.training.steps = options.steps;
-        s.polishSteps = std::min(s.polishSteps, std::max(20u, options.steps / 10));
-    } else {
+    if (options.steps > 0)
+        s = settingsAfterTraining(s, options.steps);
+    else
         s.timeBudgetMinutes = options.timeBudgetMinutes;
-    }
     s.checkpointS = options.checkpointS;
     s.layers = !options.without.layers;
     if (options.without.largeSteps) s.training.smoothingLengthM = 0;
     if (options.without.light) s.training.rateNodeLight = 0;
     if (options.without.gradientControl) s.training.closeupStepScale = 1;
     return s;
+}
+
+RunSettings settingsAfterTraining(RunSettings settings, uint32_t steps) {
+    if (steps == settings.training.steps) return settings;
+    settings.training.steps = steps;
+    settings.polishSteps = std::min(settings.polishSteps, std::max(20u, steps / 10));
+    return settings;
 }
 
 }  // namespace dpl

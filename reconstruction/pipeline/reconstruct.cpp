@@ -55,7 +55,7 @@ Result<T> runFromScan(const ReconstructOptions& options, Progress& progress,
 
 Result<ReconstructResult> reconstructFrom(const StageRun& run, const IngestedScan& ingested, const FittedBody& body,
                                           const ReconstructOptions& options) {
-    const RunSettings settings = settingsOf(options);
+    RunSettings settings = settingsOf(options);
     const ReconstructResult paths{options.out / "avatar.glb", options.out / "poses.json", options.out / "report.html", "", {}};
     Pictures pictures(ingested.scan);
     DPL_TRY(const FittedSurface surface, runSurface(run, ingested, body, pictures));
@@ -63,6 +63,7 @@ Result<ReconstructResult> reconstructFrom(const StageRun& run, const IngestedSca
     DPL_TRY(const DressedBody dressed, runGarments(run, ingested, body, surface, pictures, settings));
     DPL_TRY(const RegisteredPoses registered, runRegister(run, ingested, body, surface, pictures));
     DPL_TRY(const Training training, runCoOptimise(run, ingested, body, dressed, registered, pictures, settings));
+    settings = settingsAfterTraining(std::move(settings), training.steps);
     Lazy<AssembledAvatar> trained([&]() -> Result<AssembledAvatar> {
         DPL_TRY(FrameSet set, framesOf(ingested, Split::Train, body.cameras, registered.poses, pictures));
         setPrecisions(set, registered.precisions);

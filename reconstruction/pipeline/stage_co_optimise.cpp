@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <chrono>
+#include <optional>
 
 #include "reconstruction/distill/corrective_model.h"
 #include "reconstruction/garments/stress_poses.h"
@@ -24,12 +25,19 @@ Result<CoOptimiseInput> trainingInput(const FittedBody& body, const DressedBody&
     return input;
 }
 
+constexpr const char* kStepsFile = "steps.txt";
+
+/** The number of steps that a probe found for this run. None before it. */
+std::optional<uint32_t> probedSteps(const std::filesystem::path& folder) {
+    const auto bytes = readFile(folder / kStepsFile, 64);
+    if (!bytes) return std::nullopt;
+    return uint32_t(std::max(1L, std::strtol(std::string(bytes->begin(), bytes->end()).c_str(), nullptr, 10)));
+}
+
 /** The number of steps that fits into the time budget, by timing a short probe run. The number is stored beside the checkpoint, so that a
  *  continued run uses the same one. */
 Result<uint32_t> stepsInBudget(const CoOptimiseInput& input, const RunSettings& settings, Jobs& jobs, const std::filesystem::path& folder) {
-    const std::filesystem::path remembered = folder / "steps.txt";
-    if (auto bytes = readFile(remembered, 64))
-        return uint32_t(std::max(1L, std::strtol(std::string(bytes->begin(), bytes->end()).c_str(), nullptr, 10)));
+    if (const auto steps = probedSteps(folder)) return *steps;
     CoOptimiseSettings slowest = settings.training;
     slowest.fullResolutionOnly = true;  // times the slowest steps, so that the run stays within the budget
     DPL_TRY(auto probe, CoOptimiser::create(input, slowest, jobs));
@@ -37,7 +45,7 @@ Result<uint32_t> stepsInBudget(const CoOptimiseInput& input, const RunSettings& 
     DPL_CHECK_OK(probe->run({}, nullptr, kProbeSteps));
     const double secondsPerStep = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count() / kProbeSteps;
     const uint32_t steps = uint32_t(std::clamp(settings.timeBudgetMinutes * 60 / secondsPerStep, 100.0, 1e6));
-    DPL_CHECK_OK(writeFileAtomically(remembered, std::to_string(steps)));
+    DPL_CHECK_OK(writeFileAtomically(folder / kStepsFile, std::to_string(steps)));
     return steps;
 }
 
@@ -109,7 +117,9 @@ Result<Training> runCoOptimise(const StageRun& run, const IngestedScan& ingested
     const MeshData& mesh = dressed.clothed.mesh;
     DPL_TRY(CoOptimiseResult result,
             readTrainedFile(stage.folder / "trained.bin", mesh.triangles.size(), mesh.restPositions.size(), body.shaped.joints.size()));
-    return Training{std::move(result), stage.key};
+    const uint32_t steps =
+        settings.timeBudgetMinutes > 0 ? probedSteps(stage.folder).value_or(settings.training.steps) : settings.training.steps;
+    return Training{std::move(result), steps, stage.key};
 }
 
 }  // namespace dpl

@@ -70,6 +70,7 @@ struct RegisteredPoses {
 
 struct Training {
     CoOptimiseResult result;
+    uint32_t steps = 0;  // that it took; a time budget decides them
     std::string key;
 };
 

@@ -49,6 +49,17 @@ TEST(StageKeys, withATimeBudgetTheStepsAreAResult) {
     EXPECT_EQ(settingsOf(draft(700, 5)).timeBudgetMinutes, 0) << "a stated number of steps needs no budget";
 }
 
+TEST(StageKeys, whatFollowsTrainingShrinksWithItsSteps) {
+    const RunSettings budget = settingsOf(draft(0, 5));
+    const RunSettings after = settingsAfterTraining(budget, 700);
+    EXPECT_EQ(after.training.steps, 700u);
+    EXPECT_EQ(after.polishSteps, 70u);
+    EXPECT_EQ(after.timeBudgetMinutes, 5) << "training keeps its key";
+    EXPECT_EQ(trainingInputs(after), trainingInputs(budget));
+    EXPECT_EQ(polishInputs(settingsAfterTraining(budget, budget.training.steps)), polishInputs(budget));
+    EXPECT_EQ(polishInputs(settingsAfterTraining(budget, 100000)), polishInputs(budget)) << "a longer training needs no longer polish";
+}
+
 TEST(StageKeys, fitsAreKeyedByTheirSettings) {
     BodyFitSettings body;
     SurfaceFitSettings surface;
