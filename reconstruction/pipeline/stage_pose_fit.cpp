@@ -57,7 +57,6 @@ Result<FoundPoses> runPoseFit(const StageRun& run, const IngestedScan& ingested,
                          {"trained", training.key},
                          {"register", registered.key},
                          {"untrained", untrainedInputs(ingested)},
-                         {"pictureTrust", priors::kTrainedPictureTrust},
                          {"settings", fieldsJson(settings.poseFit)}};
     DPL_TRY(const StageOutput stage, run.chain.run("pose-fit", 7, inputs, fitPoses));
     const std::filesystem::path file = stage.folder / "poses.json";

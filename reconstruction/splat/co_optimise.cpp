@@ -306,7 +306,7 @@ void CoOptimiser::State::updatePose(uint32_t frame, double loss) {
     if (settings.learnPoses) {
         const TrainFrame& given = input.frames[frame];
         const double fall = decay(settings.endPose);
-        const PosePull pull{given.pose, given.precision.get(), lossPerNat(loss, level[frame].personPx)};
+        const PosePull pull{given.pose, given.precision.get(), lossPerNat(loss, level[frame].personPx, priors::kTrainedPictureTrust)};
         stepPose(own.pose, own.adamPose, g, {settings.rateRotation * fall, settings.rateTranslation * fall}, pull);
     }
     if (settings.learnCameras) {

@@ -51,11 +51,16 @@ Result<PoseFitResult> fitPose(const AvatarData& avatar, const TrainFrame& frame,
     result.lossBefore = result.lossAfter = pass.run(subject, frame.pose, fine, settings.loss, grey, false).total;
 
     // Nats of picture and registration together; the picture's likelihood is that of lossPerNat().
-    const double natsPerLog = 1 / lossPerNat(1, fine.personPx);
+    const double natsPerLog = 1 / lossPerNat(1, fine.personPx, settings.pictureTrust);
     const auto nats = [&](double loss, const PosePull& pull, const Pose& pose) {
         return natsPerLog * std::log(std::max(1e-9, loss)) + costOfDeviation(pose, pull);
     };
-    PosePull pull{frame.pose, frame.precision.get()};
+    PosePrecision precision;
+    if (frame.precision) {
+        const Vec3d view = Vec3d(rootPosition(avatar.joints, frame.pose)) - frame.camera.cast<double>().eye();
+        precision = heldAlong(*frame.precision, glm::normalize(view), settings.pictureTrust / settings.depthTrust);
+    }
+    PosePull pull{frame.pose, frame.precision ? &precision : nullptr};
     double best = nats(result.lossBefore, pull, frame.pose);
     Pose pose = frame.pose;
     AdamVector adam;
@@ -66,7 +71,7 @@ Result<PoseFitResult> fitPose(const AvatarData& avatar, const TrainFrame& frame,
         const LevelFrame& level = late ? fine : coarse;
         const double loss = pass.run(subject, pose, level, settings.loss, background, true).total;
         const double fall = std::pow(settings.end, double(i) / settings.iterations);
-        pull.lossPerNat = lossPerNat(loss, level.personPx);
+        pull.lossPerNat = lossPerNat(loss, level.personPx, settings.pictureTrust);
         stepPose(pose, adam, pass.poseGradient(), {settings.rateRotation * fall, settings.rateTranslation * fall}, pull);
         const bool last = i + 1 == settings.iterations;
         if (last || (late && i % 10 == 9)) {

@@ -2,6 +2,7 @@
 // Two optimisations after training: a short polish of the decoded avatar, and the pose fit of a held-out frame.
 #pragma once
 
+#include "reconstruction/priors.h"
 #include "reconstruction/splat/co_optimise.h"
 
 namespace dpl {
@@ -20,6 +21,7 @@ struct PoseFitSettings {
     uint32_t iterations = 80;
     uint64_t seed = 1;
     double rateRotation = 6e-3, rateTranslation = 4e-3, end = 0.05;
+    double pictureTrust = priors::kFittedPictureTrust, depthTrust = priors::kFittedDepthTrust;  // depthTrust: along the view
     LossWeights loss{0.8f, 0.2f, 1.0f, 0.0f};
 };
 

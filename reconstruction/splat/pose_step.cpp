@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <numeric>
 
-#include "reconstruction/priors.h"
 #include "reconstruction/splat/rotation_vector.h"
 
 namespace dpl {
@@ -31,8 +30,18 @@ Eigen::VectorXd deviation(const Pose& pose, const PosePull& pull) {
 
 }  // namespace
 
-double lossPerNat(double loss, double personPx) {
-    return loss / (priors::kTrainedPictureTrust * std::max(1.0, personPx));
+double lossPerNat(double loss, double personPx, double trust) {
+    return loss / (trust * std::max(1.0, personPx));
+}
+
+PosePrecision heldAlong(PosePrecision precision, const Vec3d& direction, double times) {
+    const Eigen::Index n = Eigen::Index(precision.size());
+    Eigen::Map<Matrix> h(precision.matrix.data(), n, n);
+    const Eigen::Vector3d v(direction.x, direction.y, direction.z);
+    const Eigen::Matrix3d stretch = Eigen::Matrix3d::Identity() + (std::sqrt(times) - 1) * v * v.transpose();
+    h.rightCols<3>() = (h.rightCols<3>() * stretch).eval();
+    h.bottomRows<3>() = (stretch * h.bottomRows<3>()).eval();
+    return precision;
 }
 
 void stepPose(Pose& pose, AdamVector& adam, const PoseGradient<double>& gradient, const PoseRates& rates, const PosePull& pull) {

@@ -27,8 +27,13 @@ struct PosePull {
 };
 
 /** The loss that one nat of a picture's likelihood is worth. The picture counts as trusted independent residuals with a Laplace spread that
- *  it tells itself: −ln p = trust · pixels · ln(loss), so a nat is loss / (trust · pixels). personPx: the person's pixels. */
-double lossPerNat(double loss, double personPx);
+ *  it tells itself: −ln p = trust · pixels · ln(loss), so a nat is loss / (trust · pixels). personPx: the person's pixels; trust: residuals
+ *  for each of them. */
+double lossPerNat(double loss, double personPx, double trust);
+
+/** A precision in which a deviation of the root along the unit vector `direction` (world) costs `times` as much: DHD, where D stretches the
+ *  root's translation along it by √times. times: above 0. */
+PosePrecision heldAlong(PosePrecision precision, const Vec3d& direction, double times);
 
 /** Moves `pose`. `gradient`: ∂loss/∂(left turn of each joint, translation of the root). */
 void stepPose(Pose& pose, AdamVector& adam, const PoseGradient<double>& gradient, const PoseRates& rates, const PosePull& pull);

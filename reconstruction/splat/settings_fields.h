@@ -57,9 +57,9 @@ void visitFields(const CoOptimiseSettings& settings, Visit&& visit) {
 
 template <class Visit>
 void visitFields(const PoseFitSettings& settings, Visit&& visit) {
-    const auto& [iterations, seed, rateRotation, rateTranslation, end, loss] = settings;
+    const auto& [iterations, seed, rateRotation, rateTranslation, end, pictureTrust, depthTrust, loss] = settings;
     visit("iterations", iterations), visit("seed", seed), visit("rateRotation", rateRotation), visit("rateTranslation", rateTranslation);
-    visit("end", end), visit("loss", loss);
+    visit("end", end), visit("pictureTrust", pictureTrust), visit("depthTrust", depthTrust), visit("loss", loss);
 }
 
 }  // namespace dpl

@@ -87,6 +87,24 @@ TEST(PoseStep, withoutPrecisionThePictureDecides) {
     EXPECT_NEAR(d[3], 0.04, 1e-3);
 }
 
+TEST(PoseStep, whatIsHeldAlongADirectionCostsMoreThereAlone) {
+    const PosePrecision precision = somePrecision();
+    const Vec3d along = glm::normalize(Vec3d(1, -2, 3)), across = glm::normalize(glm::cross(along, Vec3d(0, 1, 0)));
+    const PosePrecision held = heldAlong(precision, along, 30);
+    const Pose from = Pose::rest(3);
+    const auto cost = [&](const PosePrecision& p, const Vec3d& moved, float turn) {
+        Pose pose = from;
+        pose.rootTranslation += Vec3f(moved);
+        pose.localRotations[2] = glm::angleAxis(turn, Vec3f(1, 0, 0));
+        return costOfDeviation(pose, {from, &p, 0});
+    };
+    EXPECT_NEAR(cost(held, 0.02 * along, 0) / cost(precision, 0.02 * along, 0), 30, 1e-3);
+    EXPECT_NEAR(cost(held, 0.02 * across, 0.1f) / cost(precision, 0.02 * across, 0.1f), 1, 1e-5);
+    const size_t n = held.size();
+    for (size_t i = 0; i < n; ++i)
+        for (size_t j = 0; j < i; ++j) EXPECT_NEAR(held.matrix[i * n + j], held.matrix[j * n + i], 1e-9);
+}
+
 TEST(PoseStep, jointsThatRegistrationDoesNotTurnStay) {
     const PosePrecision precision = somePrecision();
     const Pose from = Pose::rest(3);
