@@ -110,6 +110,10 @@ Result<std::string> importCapture(const ImportOptions& options, const std::atomi
     DPL_CHECK_OK(checkOutput(out));
     fs::path partial = out;
     partial += ".partial";
+    for (fs::directory_iterator at(partial, error), end; !error && at != end; at.increment(error))
+        if (at->path().filename() != "scan" && at->path().filename() != "work")
+            return fail(Code::InvalidArgument,
+                        "{} is not what an interrupted import leaves; move it away, or choose another output with -o", partial.string());
     fs::remove_all(partial, error);
     fs::create_directories(partial / "scan", error);
     if (!error) fs::create_directories(partial / "work", error);

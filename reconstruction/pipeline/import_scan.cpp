@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
+#include "reconstruction/capture/scan.h"
 #include "reconstruction/import/import.h"
 #include "sdk/core/files.h"
 
@@ -42,6 +43,33 @@ json keyOf(const ImportOptions& options) {
     return key;
 }
 
+/** Whether `path` is `folder` or lies in it. */
+bool liesIn(const fs::path& path, const fs::path& folder) {
+    std::error_code error;
+    const fs::path whole = fs::weakly_canonical(fs::absolute(path, error), error),
+                   in = fs::weakly_canonical(fs::absolute(folder, error), error);
+    return std::mismatch(in.begin(), in.end(), whole.begin(), whole.end()).first == in.end();
+}
+
+/** Makes room for an import at `scan`. An earlier import is renamed and kept, because people add masks to it. `ours`: an import wrote it.
+ */
+Status makeRoom(const fs::path& scan, bool ours, Progress& progress) {
+    std::error_code error;
+    if (!fs::exists(scan, error) || (fs::is_directory(scan, error) && fs::is_empty(scan, error))) return {};
+    if (!ours)
+        return fail(Code::InvalidArgument,
+                    "{} would be written by the import, but something else is there; move it away, or choose another "
+                    "output with -o",
+                    scan.string());
+    fs::path kept = scan;
+    kept += ".replaced";
+    for (int i = 2; fs::exists(kept, error); ++i) kept = formatText("{}.replaced-{}", scan.string(), i);
+    fs::rename(scan, kept, error);
+    if (error) return fail(Code::Io, "cannot rename {}: {}", scan.string(), error.message());
+    progress.note(formatText("the earlier import is kept as {}; remove it if you added nothing to it", kept.string()));
+    return {};
+}
+
 }  // namespace
 
 Result<fs::path> scanToReconstruct(const ReconstructOptions& options, Progress& progress) {
@@ -52,14 +80,19 @@ Result<fs::path> scanToReconstruct(const ReconstructOptions& options, Progress& 
     if (!options.scan.empty() && isReadableScan(options.scan)) return options.scan;
     const fs::path keyFile = options.out / "scan.import.json";
     const std::string key = keyOf(import).dump();
-    std::error_code error;
-    if (const auto before = readFile(keyFile, 64 << 20);
-        before && std::string(before->begin(), before->end()) == key && fs::exists(import.out / "scan.json", error)) {
-        progress.note(formatText("{} was imported by an earlier run", import.out.string()));
-        return import.out;
+    if (!options.scan.empty() && liesIn(options.scan, import.out))
+        return fail(Code::InvalidArgument, "{} is where the import writes its scan; choose another output with -o", import.out.string());
+    const auto before = readFile(keyFile, 64 << 20);
+    if (before && std::string(before->begin(), before->end()) == key) {
+        const auto scan = readScan(import.out, ScanCameras::MayLack);
+        if (scan) {
+            progress.note(formatText("{} was imported by an earlier run", import.out.string()));
+            return import.out;
+        }
+        progress.note(formatText("imported again: {}", scan.error().message));
     }
-    fs::remove(keyFile, error);
-    fs::remove_all(import.out, error);
+    DPL_CHECK_OK(makeRoom(import.out, bool(before), progress));
+    DPL_CHECK_OK(writeFileAtomically(keyFile, "\"importing\""));  // says that OUT/scan is an import's, whole or not
     progress.beginStage("import");
     DPL_TRY(const std::string summary, importCapture(import, &progress.cancelFlag(), [&](double share, const std::string& what) {
                 progress.update(share, what);

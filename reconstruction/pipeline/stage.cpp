@@ -45,6 +45,10 @@ std::string stringField(const json& object, const char* name) {
     return object.is_object() && object.contains(name) && object[name].is_string() ? object[name].get<std::string>() : std::string();
 }
 
+double numberField(const json& object, const char* name) {
+    return object.is_object() && object.contains(name) && object[name].is_number() ? object[name].get<double>() : 0;
+}
+
 /** Hash and size of every file of a stage's folder but its manifest, by relative path. */
 Result<json> listFiles(const fs::path& folder) {
     json files = json::object();
@@ -129,7 +133,8 @@ Result<StageOutput> StageChain::run(const std::string& name, uint32_t version, c
     progress_.beginStage(name);
     std::error_code ignored;
     // After a kill between the last write and the rename, the work folder is complete and can be used.
-    if (const json manifest = readManifest(workFolder); stringField(manifest, "key") == key && manifest.value("finished", false)) {
+    if (const json manifest = readManifest(workFolder);
+        stringField(manifest, "key") == key && manifest.contains("finished") && manifest["finished"] == true) {
         fs::remove_all(folder, ignored);
         fs::rename(workFolder, folder, ignored);
     }
@@ -138,7 +143,7 @@ Result<StageOutput> StageChain::run(const std::string& name, uint32_t version, c
     const std::string damage = made ? damageIn(folder, manifest) : "";
     if (!damage.empty()) progress_.note(formatText("{} runs again: {}", name, damage));
     if (made && damage.empty()) {
-        records_.push_back({name, manifest.value("seconds", 0.0), manifest.value("peakBytes", uint64_t(0)), true});
+        records_.push_back({name, numberField(manifest, "seconds"), uint64_t(std::max(0.0, numberField(manifest, "peakBytes"))), true});
         progress_.endStage("up to date");
         return StageOutput{folder, key};
     }

@@ -90,6 +90,14 @@ Result<IngestedScan> runIngest(const StageRun& run, const std::filesystem::path&
                     "--person: networks look for nobody in this scan; it brings keypoints and masks, or tools/models "
                     "has not run");
     }
+    // Before cameras are sought, which takes minutes.
+    if (const auto& frames = ingested.scan.frames;
+        std::all_of(frames.begin(), frames.end(), [](const ScanFrame& frame) { return frame.keypointsPath.empty(); }))
+        return refuse(run, {"ingest"},
+                      fail(Code::InvalidArgument,
+                           "{} brings no keypoints: run tools/models once, which fetches networks that find them, or add keypoints files "
+                           "(docs/formats/scan.md)",
+                           folder.string()));
     if (!ingested.scan.camerasKnown) {
         DPL_TRY(ingested.scan, runCameras(run, ingested.scan, heightM));
     } else {
@@ -99,12 +107,6 @@ Result<IngestedScan> runIngest(const StageRun& run, const std::filesystem::path&
         DPL_TRY(ingested.scan, runCloseups(run, std::move(ingested.scan), observations));
     }
     const Scan& scan = ingested.scan;
-    if (std::all_of(scan.frames.begin(), scan.frames.end(), [](const ScanFrame& frame) { return frame.keypointsPath.empty(); }))
-        return refuse(run, {"ingest"},
-                      fail(Code::InvalidArgument,
-                           "{} brings no keypoints: run tools/models once, which fetches networks that find them, or add keypoints files "
-                           "(docs/formats/scan.md)",
-                           folder.string()));
     ingested.hashes = hashFrames(scan);
     DPL_TRY(const StageOutput stage,
             run.chain.run("ingest", 3, {{"scan", scanInputs(scan, ingested.hashes)}}, [&](StageContext& context) -> Status {
