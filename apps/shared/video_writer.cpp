@@ -5,11 +5,19 @@
 
 #include <utility>
 
+#include "sdk/core/files.h"
+
 namespace dpl {
 
 Result<VideoWriter> VideoWriter::open(const std::filesystem::path& path, uint32_t widthPx, uint32_t heightPx, double framesPerSecond) {
+    const std::filesystem::path target = endOfLinks(path);
+    std::error_code error;
+    const std::filesystem::file_status there = std::filesystem::status(target, error);
+    if (std::filesystem::exists(there) && !std::filesystem::is_regular_file(there))
+        return fail(Code::InvalidArgument, "{} is no place for a video: there is something that is not a file; choose another output",
+                    target.string());
     const std::filesystem::path temporary =
-        path.parent_path() / ("." + path.stem().string() + ".part" + std::to_string(::getpid()) + ".mp4");
+        target.parent_path() / ("." + target.stem().string() + ".part" + std::to_string(::getpid()) + ".mp4");
     ProgramRun run;
     // "file:" because ffmpeg takes text before a colon for a protocol.
     run.arguments = {"ffmpeg",
@@ -41,7 +49,7 @@ Result<VideoWriter> VideoWriter::open(const std::filesystem::path& path, uint32_
                     "{}: writing video needs the program ffmpeg; install it (apt-get install ffmpeg) or name a folder to get PNG frames",
                     path.string());
     if (!ffmpeg) return ffmpeg.error();
-    return VideoWriter(std::move(*ffmpeg), path, temporary);
+    return VideoWriter(std::move(*ffmpeg), target, temporary);
 }
 
 VideoWriter::~VideoWriter() {

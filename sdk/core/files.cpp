@@ -119,7 +119,8 @@ Status writeFully(int fd, std::span<const uint8_t> bytes, const std::filesystem:
     return {};
 }
 
-/** The path at the end of a chain of symbolic links. A file need not exist there. */
+}  // namespace
+
 std::filesystem::path endOfLinks(std::filesystem::path path) {
     constexpr int kMaxLinks = 40;  // limit of the Linux kernel; opening a longer chain fails
     std::error_code error;
@@ -130,8 +131,6 @@ std::filesystem::path endOfLinks(std::filesystem::path path) {
     }
     return path;
 }
-
-}  // namespace
 
 Result<std::vector<uint8_t>> readFile(const std::filesystem::path& path, uint64_t maxBytes, CheckFileHead check) {
     Descriptor file{sys::open(path, sys::kRead)};

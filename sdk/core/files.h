@@ -23,6 +23,9 @@ using CheckFileHead = Status (*)(std::span<const uint8_t> head, uint64_t fileByt
 /** Reads a regular file of at most `maxBytes`. `check` may be null. Errors name the path and, where known, a remedy. */
 Result<std::vector<uint8_t>> readFile(const std::filesystem::path& path, uint64_t maxBytes = kMaxFileBytes, CheckFileHead check = nullptr);
 
+/** The path at the end of a chain of symbolic links. A file need not exist there. */
+std::filesystem::path endOfLinks(std::filesystem::path path);
+
 /** Writes `path` completely or not at all. Parent folders must exist. The bytes are on disk (fsync) before the rename. A symbolic link is
  *  kept and its target is replaced; built with MinGW, the link is replaced. A device or a pipe is written to directly, not replaced. */
 Status writeFileAtomically(const std::filesystem::path& path, std::span<const uint8_t> bytes);

@@ -42,6 +42,25 @@ TEST_F(VideoWriterTest, writesEveryFrameUnderAnyName) {
     EXPECT_EQ(filesLeft(), 1u);
 }
 
+TEST_F(VideoWriterTest, aLinkIsKeptAndItsTargetWritten) {
+    fs::create_directories(folder_ / "disk");
+    fs::create_symlink("disk/real.mp4", folder_ / "link.mp4");
+    auto writer = VideoWriter::open(folder_ / "link.mp4", 64, 48, 25);
+    ASSERT_TRUE(writer) << writer.error().message;
+    ASSERT_TRUE(writer->write(frame_));
+    ASSERT_TRUE(writer->finish());
+    EXPECT_TRUE(fs::is_symlink(folder_ / "link.mp4"));
+    EXPECT_EQ(probed(folder_ / "disk/real.mp4"), "64,48,1");
+}
+
+TEST_F(VideoWriterTest, aDeviceIsRefusedAndKept) {
+    fs::create_symlink("/dev/null", folder_ / "null.mp4");
+    const auto writer = VideoWriter::open(folder_ / "null.mp4", 64, 48, 25);
+    ASSERT_FALSE(writer);
+    EXPECT_NE(writer.error().message.find("/dev/null is no place for a video"), std::string::npos) << writer.error().message;
+    EXPECT_TRUE(fs::is_symlink(folder_ / "null.mp4"));
+}
+
 TEST_F(VideoWriterTest, anUnfinishedVideoLeavesNothing) {
     {
         auto writer = VideoWriter::open(folder_ / "half.mp4", 64, 48, 25);
