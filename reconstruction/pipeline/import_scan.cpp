@@ -51,8 +51,7 @@ bool liesIn(const fs::path& path, const fs::path& folder) {
     return std::mismatch(in.begin(), in.end(), whole.begin(), whole.end()).first == in.end();
 }
 
-/** Makes room for an import at `scan`. An earlier import is renamed and kept, because people add masks to it. `ours`: an import wrote it.
- */
+/** Makes room for an import at `scan`. An earlier import is renamed and kept, because people add masks to it. `ours`: there was one. */
 Status makeRoom(const fs::path& scan, bool ours, Progress& progress) {
     std::error_code error;
     if (!fs::exists(scan, error) || (fs::is_directory(scan, error) && fs::is_empty(scan, error))) return {};

@@ -33,7 +33,7 @@ RunSettings settingsOf(const ReconstructOptions& options) {
             break;
     }
     if (options.steps > 0)
-        s = settingsAfterTraining(s, options.steps);
+        s = withTrainingSteps(s, options.steps);
     else
         s.timeBudgetMinutes = options.timeBudgetMinutes;
     s.checkpointS = options.checkpointS;
@@ -44,8 +44,7 @@ RunSettings settingsOf(const ReconstructOptions& options) {
     return s;
 }
 
-RunSettings settingsAfterTraining(RunSettings settings, uint32_t steps) {
-    if (steps == settings.training.steps) return settings;
+RunSettings withTrainingSteps(RunSettings settings, uint32_t steps) {
     settings.training.steps = steps;
     settings.polishSteps = std::min(settings.polishSteps, std::max(20u, steps / 10));
     return settings;

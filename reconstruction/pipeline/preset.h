@@ -20,8 +20,8 @@ struct RunSettings {
 
 RunSettings settingsOf(const ReconstructOptions& options);
 
-/** The settings of the stages that follow a training of `steps` steps. They train on for shares of these steps, so that a run with few
- *  steps, or with a time budget, does not spend most of its time after training. */
-RunSettings settingsAfterTraining(RunSettings settings, uint32_t steps);
+/** The same settings with `steps` steps of training. Stages after it train on for shares of these steps, and the polish is cut to a tenth
+ *  of them, so that a short training is not followed by a long rest of the run. */
+RunSettings withTrainingSteps(RunSettings settings, uint32_t steps);
 
 }  // namespace dpl

@@ -63,7 +63,7 @@ Result<ReconstructResult> reconstructFrom(const StageRun& run, const IngestedSca
     DPL_TRY(const DressedBody dressed, runGarments(run, ingested, body, surface, pictures, settings));
     DPL_TRY(const RegisteredPoses registered, runRegister(run, ingested, body, surface, pictures));
     DPL_TRY(const Training training, runCoOptimise(run, ingested, body, dressed, registered, pictures, settings));
-    settings = settingsAfterTraining(std::move(settings), training.steps);
+    settings = withTrainingSteps(std::move(settings), training.steps);
     Lazy<AssembledAvatar> trained([&]() -> Result<AssembledAvatar> {
         DPL_TRY(FrameSet set, framesOf(ingested, Split::Train, body.cameras, registered.poses, pictures));
         setPrecisions(set, registered.precisions);

@@ -26,13 +26,13 @@ struct PosePull {
     double lossPerNat = 0;
 };
 
-/** The loss that one nat of a picture's likelihood is worth. The picture counts as trusted independent residuals with a Laplace spread that
- *  it tells itself: −ln p = trust · pixels · ln(loss), so a nat is loss / (trust · pixels). personPx: the person's pixels; trust: residuals
- *  for each of them. */
+/** The loss that one nat of a picture's likelihood is worth. The picture counts as independent residuals with a Laplace spread that it
+ *  tells itself: −ln p = trust · pixels · ln(loss), so a nat is loss / (trust · pixels). personPx: the person's pixels.
+ *  trust: how many residuals each of them counts as. */
 double lossPerNat(double loss, double personPx, double trust);
 
-/** A precision in which a deviation of the root along the unit vector `direction` (world) costs `times` as much: DHD, where D stretches the
- *  root's translation along it by √times. times: above 0. */
+/** A precision in which a deviation of the root along the unit vector `direction` (world) costs `times` as much: DHD, where D
+ *  stretches the root's translation along it by √times. times: above 0. */
 PosePrecision heldAlong(PosePrecision precision, const Vec3d& direction, double times);
 
 /** Moves `pose`. `gradient`: ∂loss/∂(left turn of each joint, translation of the root). */

@@ -51,13 +51,13 @@ TEST(StageKeys, withATimeBudgetTheStepsAreAResult) {
 
 TEST(StageKeys, whatFollowsTrainingShrinksWithItsSteps) {
     const RunSettings budget = settingsOf(draft(0, 5));
-    const RunSettings after = settingsAfterTraining(budget, 700);
+    const RunSettings after = withTrainingSteps(budget, 700);
     EXPECT_EQ(after.training.steps, 700u);
     EXPECT_EQ(after.polishSteps, 70u);
     EXPECT_EQ(after.timeBudgetMinutes, 5) << "training keeps its key";
     EXPECT_EQ(trainingInputs(after), trainingInputs(budget));
-    EXPECT_EQ(polishInputs(settingsAfterTraining(budget, budget.training.steps)), polishInputs(budget));
-    EXPECT_EQ(polishInputs(settingsAfterTraining(budget, 100000)), polishInputs(budget)) << "a longer training needs no longer polish";
+    EXPECT_EQ(polishInputs(withTrainingSteps(budget, budget.training.steps)), polishInputs(budget));
+    EXPECT_EQ(polishInputs(withTrainingSteps(budget, 100000)), polishInputs(budget)) << "a longer training needs no longer polish";
 }
 
 TEST(StageKeys, fitsAreKeyedByTheirSettings) {
