@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "apps/doppel/commands.h"
-#include "apps/doppel/interruption.h"
 #include "apps/doppel/scan_options.h"
 #include "apps/doppel/talk.h"
 #include "reconstruction/pipeline/reconstruct.h"
@@ -22,7 +21,7 @@ void addCheckCommand(CLI::App& app, CommandRun& run) {
         run = [options, talk] {
             if (options->scan.empty() && !anyVideo(options->videos)) return talk->fail(missingSource());
             Progress progress(talk->style());
-            const auto advice = endedSoonAfterInterrupt(*talk, progress, [&] { return checkFilm(*options, progress); });
+            const auto advice = checkFilm(*options, progress);
             if (!advice) return talk->fail(advice.error());
             return talk->succeed(advice->substr(0, advice->find_last_not_of('\n') + 1),
                                  {{"advice", *advice}, {"verdict", (options->out / "verdict.json").string()}});

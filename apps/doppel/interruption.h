@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Ends commands that run stages soon after Ctrl-C, even if a stage does not stop by itself.
+// Ends every command soon after Ctrl-C, even if its work does not stop by itself.
 #pragma once
 
 #include <chrono>
@@ -7,23 +7,23 @@
 #include <cstdlib>
 #include <future>
 
-#include "apps/doppel/talk.h"
 #include "reconstruction/pipeline/progress.h"
 
 namespace dpl {
 
-/** The result of work(), a Result. If work() goes on for more than 0.7 s after Ctrl-C, says so and ends the process at once. That loses
- *  what a kill loses, the stage's own work: files appear by a rename, and programs that a stage runs have ended within 0.5 s. */
-template <class Work>
-auto endedSoonAfterInterrupt(const Talk& talk, Progress& progress, Work work) {
-    constexpr std::chrono::milliseconds kPatience{700}, kPoll{50};
-    auto result = std::async(std::launch::async, std::move(work));
-    while (!progress.cancelled())
-        if (result.wait_for(kPoll) == std::future_status::ready) return result.get();
-    if (result.wait_for(kPatience) == std::future_status::ready) return result.get();
-    const int code = talk.fail(Error{Code::Cancelled, "stopped"});
+/** The exit code of work(), which runs on a thread of its own. If work() goes on for more than 0.7 s after Ctrl-C, the process ends at
+ *  once with the exit code of stopped(), which says so. That loses what a kill loses: files appear by a rename, and programs that the
+ *  work runs have ended within 0.5 s. What work() throws is thrown on. */
+template <class Work, class Stopped>
+int endedSoonAfterInterrupt(Work work, Stopped stopped) {
+    constexpr std::chrono::milliseconds kPatience{700}, kPoll{20};
+    auto code = std::async(std::launch::async, std::move(work));
+    while (!Progress::cancelled())
+        if (code.wait_for(kPoll) == std::future_status::ready) return code.get();
+    if (code.wait_for(kPatience) == std::future_status::ready) return code.get();
+    const int stoppedCode = stopped();
     std::fflush(nullptr);
-    std::_Exit(code);
+    std::_Exit(stoppedCode);
 }
 
 }  // namespace dpl

@@ -4,8 +4,9 @@
 #include <cstring>
 
 #include "apps/doppel/commands.h"
+#include "apps/doppel/interruption.h"
+#include "apps/doppel/talk.h"
 #include "apps/shared/checks.h"
-#include "reconstruction/pipeline/progress.h"
 
 namespace dpl {
 
@@ -21,6 +22,14 @@ std::string commandLine(const CLI::App& app) {
     std::string text = app.get_name();
     for (const CLI::App* command : app.get_subcommands()) text += " " + commandLine(*command);
     return text;
+}
+
+/** Says that Ctrl-C ended the command, as JSON too if it was to print JSON. */
+int reportStopped(const CLI::App& app) {
+    Talk talk;
+    for (const CLI::App* command : app.get_subcommands())
+        if (const CLI::Option* json = command->get_option_no_throw("--json")) talk.json = json->count() > 0;
+    return talk.fail(Error{Code::Cancelled, "stopped"});
 }
 
 /** Flushes the tables or JSON on standard output. Reports an error if they could not be written (full disk, closed pipe). */
@@ -77,7 +86,7 @@ int main(int argc, char** argv) {
     }
     installSignalHandlers();
     try {
-        return flushOutput(run());
+        return flushOutput(endedSoonAfterInterrupt(run, [&app] { return reportStopped(app); }));
     } catch (const std::bad_alloc&) {
         return reportError(fail(Code::OutOfMemory, "out of memory; close other programs or use a smaller preset"));
     } catch (const std::exception& error) {  // a reconstruction stage may throw

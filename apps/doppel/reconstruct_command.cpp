@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "apps/doppel/commands.h"
-#include "apps/doppel/interruption.h"
 #include "apps/doppel/scan_options.h"
 #include "apps/doppel/talk.h"
 #include "apps/shared/checks.h"
@@ -53,7 +52,7 @@ void addReconstructCommand(CLI::App& app, CommandRun& run) {
         run = [options, talk] {
             if (options->scan.empty() && !anyVideo(options->videos)) return talk->fail(missingSource());
             Progress progress(talk->style());
-            const auto result = endedSoonAfterInterrupt(*talk, progress, [&] { return reconstruct(*options, progress); });
+            const auto result = reconstruct(*options, progress);
             if (!result) return talk->fail(result.error());
             nlohmann::json stages = nlohmann::json::array();
             for (const StageRecord& s : result->stages)

@@ -79,10 +79,10 @@ void Progress::detail(std::string_view line) {
     if (style_ == Style::Verbose) note(line);
 }
 
-bool Progress::cancelled() const {
+bool Progress::cancelled() {
     return cancelRequested;
 }
-const std::atomic<bool>& Progress::cancelFlag() const {
+const std::atomic<bool>& Progress::cancelFlag() {
     return cancelRequested;
 }
 

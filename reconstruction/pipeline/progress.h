@@ -25,8 +25,8 @@ public:
     void detail(std::string_view line);
 
     /** True after the first SIGINT or SIGTERM, if installSignalHandlers() was called. */
-    bool cancelled() const;
-    const std::atomic<bool>& cancelFlag() const;
+    static bool cancelled();
+    static const std::atomic<bool>& cancelFlag();
 
 private:
     using Clock = std::chrono::steady_clock;
