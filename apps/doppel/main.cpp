@@ -7,6 +7,7 @@
 #include "apps/doppel/interruption.h"
 #include "apps/doppel/talk.h"
 #include "apps/shared/checks.h"
+#include "reconstruction/body/solver_log.h"
 
 namespace dpl {
 
@@ -85,6 +86,7 @@ int main(int argc, char** argv) {
         return reportError(fail(Code::InvalidArgument, "{}. See {} --help", error.what(), commandLine(app)));
     }
     installSignalHandlers();
+    silenceSolverLog();
     try {
         return flushOutput(endedSoonAfterInterrupt(run, [&app] { return reportStopped(app); }));
     } catch (const std::bad_alloc&) {

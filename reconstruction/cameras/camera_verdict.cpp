@@ -36,12 +36,10 @@ public:
         CameraVerdict verdict;
         const size_t stills = count(SolveRole::Still, false), placed = count(SolveRole::Still, true);
         verdict.refuses = placed < kFewestPlacedStills || placed * 2 < stills;
-        verdict.sentences.push_back(formatText(
-            "cameras found for {} of {} still pictures, {} of {} close-ups, {} of {} moving and {} of {} held-out pictures (focal length "
-            "{} px, matches miss by {} px)",
-            placed, stills, count(SolveRole::Closeup, true), count(SolveRole::Closeup, false), count(SolveRole::Moving, true),
-            count(SolveRole::Moving, false), count(SolveRole::HeldOut, true), count(SolveRole::HeldOut, false),
-            std::round(focal() * 10) / 10, std::round(solved_.missPx * 100) / 100));
+        verdict.sentences.push_back(
+            formatText("cameras found for {} of {} still pictures, {} of {} close-ups, {} of {} moving and {} of {} held-out pictures{}",
+                       placed, stills, count(SolveRole::Closeup, true), count(SolveRole::Closeup, false), count(SolveRole::Moving, true),
+                       count(SolveRole::Moving, false), count(SolveRole::HeldOut, true), count(SolveRole::HeldOut, false), fit()));
         sayTexture(verdict);
         for (const SolveRole role : {SolveRole::Still, SolveRole::Closeup, SolveRole::Moving, SolveRole::HeldOut}) sayGaps(verdict, role);
         for (const CameraGap& gap : verdict.gaps) verdict.sentences.push_back(gap.sentence);
@@ -61,10 +59,13 @@ private:
         return n;
     }
 
-    double focal() const {
+    /** What all found cameras share, in brackets; empty if none was found. */
+    std::string fit() const {
         for (const SolveOutcome& picture : solved_.pictures)
-            if (picture.camera) return picture.camera->fx;
-        return 0;
+            if (picture.camera)
+                return formatText(" (focal length {} px, matches miss by {} px)", std::round(picture.camera->fx * 10) / 10,
+                                  std::round(solved_.missPx * 100) / 100);
+        return {};
     }
 
     void sayTexture(CameraVerdict& verdict) const {

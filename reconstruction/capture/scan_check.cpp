@@ -116,10 +116,15 @@ private:
         else if (!without.empty())
             find(false, "masks", formatText("{} frames have no mask; add them or those frames help little", without.size()),
                  names(without));
+        const bool found = std::all_of(empty.begin(), empty.end(), [&](size_t i) { return scan_.frames[i].maskFound; });
         if (!empty.empty())
-            find(empty.size() * 3 >= train.size(), "masks",
-                 formatText("{} of {} masks are empty; make them again (those frames are left out)", empty.size(), train.size()),
-                 names(empty));
+            find(
+                empty.size() * 3 >= train.size(), "masks",
+                formatText(found ? "nobody was found in {} of {} pictures; keep the person in view, upright and well lit (those frames are "
+                                   "left out)"
+                                 : "{} of {} masks are empty; make them again (those frames are left out)",
+                           empty.size(), train.size()),
+                names(empty));
         const auto cut = select([](const ScanFrame& f, const FrameMeasures& m) {
             return f.kind != FrameKind::StaticCloseup && m.check.usable && m.check.borderShare > priors::kBorderShare;
         });

@@ -64,6 +64,10 @@ Result<json> listFiles(const fs::path& folder) {
     return files;
 }
 
+bool isManifest(const json& manifest) {
+    return manifest.is_object() && manifest.contains("inputs");
+}
+
 /** What is wrong with the files of a finished stage, as part of a sentence; empty when all are as its manifest says. */
 std::string damageIn(const fs::path& folder, const json& manifest) {
     if (!manifest.contains("files") || !manifest["files"].is_object())
@@ -81,7 +85,7 @@ std::string damageIn(const fs::path& folder, const json& manifest) {
 
 /** Why a stage runs although its folder has a manifest: the inputs that changed since, or its version. Part of a sentence. */
 std::string whatChanged(const json& manifest, uint32_t version, const json& inputs) {
-    if (!manifest.is_object() || !manifest.contains("inputs")) return "it has no result yet";
+    if (!isManifest(manifest)) return "it has no result yet";
     if (manifest.value("version", 0u) != version) return "the program makes other files than the version that ran before";
     const json before = manifest["inputs"].flatten(), now = inputs.flatten();
     std::vector<std::string> changed;
@@ -140,7 +144,11 @@ Result<StageOutput> StageChain::run(const std::string& name, uint32_t version, c
     }
     const json manifest = readManifest(folder);
     const bool made = stringField(manifest, "key") == key;
-    const std::string damage = made ? damageIn(folder, manifest) : "";
+    std::string damage;
+    if (made)
+        damage = damageIn(folder, manifest);
+    else if (!isManifest(manifest) && fs::is_directory(folder, ignored))
+        damage = (folder / "manifest.json").string() + " is missing or damaged";
     if (!damage.empty()) progress_.note(formatText("{} runs again: {}", name, damage));
     if (made && damage.empty()) {
         records_.push_back({name, numberField(manifest, "seconds"), uint64_t(std::max(0.0, numberField(manifest, "peakBytes"))), true});
@@ -151,7 +159,7 @@ Result<StageOutput> StageChain::run(const std::string& name, uint32_t version, c
         progress_.detail(formatText("{} continues in {}", name, workFolder.string()));
     else
         fs::remove_all(workFolder, ignored);
-    if (!made) progress_.detail(formatText("{} runs: {}", name, whatChanged(manifest, version, inputs)));
+    if (!made && damage.empty()) progress_.detail(formatText("{} runs: {}", name, whatChanged(manifest, version, inputs)));
     DPL_CHECK_OK(makeFolder(workFolder));
     DPL_CHECK_OK(writeFileAtomically(workFolder / "manifest.json", json{{"stage", name}, {"key", key}, {"finished", false}}.dump(1)));
 

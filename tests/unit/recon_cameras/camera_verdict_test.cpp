@@ -83,6 +83,7 @@ TEST(CameraVerdict, tooFewStillsRefuse) {
     none.lose(0, 26);
     EXPECT_TRUE(none.judge().refuses);
     EXPECT_TRUE(says(none.judge(), "0 of 24 still pictures"));
+    EXPECT_FALSE(says(none.judge(), "focal length")) << "no camera, no focal length";
     EXPECT_TRUE(judgeCameras({}, {}, {0, 1, 0}, {0, 0, 1}).refuses);
 }
 

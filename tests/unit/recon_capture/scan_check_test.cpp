@@ -111,6 +111,11 @@ TEST(ScanCheck, halfTheMasksEmptyIsRefusedOneIsLeftOut) {
         ASSERT_TRUE(why);
         EXPECT_TRUE(mentions(why->sentence, {"empty", "make them again"}));
         EXPECT_FALSE(c.frames[1].usable);
+        const auto found = check(s.folder.path, [](Scan& scan) {
+            for (ScanFrame& frame : scan.frames) frame.maskFound = true;
+        });
+        ASSERT_TRUE(finding(found, "masks", step == 2));
+        EXPECT_TRUE(mentions(finding(found, "masks", step == 2)->sentence, {"nobody was found", "keep the person in view"}));
     }
 }
 

@@ -87,6 +87,22 @@ TEST_F(Stages, aDamagedOrMissingFileIsMadeAgain) {
     EXPECT_EQ(again(), 5);
 }
 
+TEST_F(Stages, aDamagedManifestIsNamed) {
+    progress_ = Progress(Progress::Style::Usual);
+    const auto said = [&] {
+        testing::internal::CaptureStderr();
+        EXPECT_TRUE(runOnce({{"a", 1}}, [](StageContext&) { return Status{}; }));
+        return testing::internal::GetCapturedStderr();
+    };
+    EXPECT_EQ(said().find("runs again"), std::string::npos) << "the first run";
+    for (const char* damaged : {"{", "[]", "{}"}) {
+        ASSERT_TRUE(writeFileAtomically(folder_ / "stages/probe/manifest.json", std::string_view(damaged)));
+        EXPECT_NE(said().find("probe runs again: " + (folder_ / "stages/probe/manifest.json").string() + " is missing or damaged"),
+                  std::string::npos)
+            << damaged;
+    }
+}
+
 TEST_F(Stages, aFailedStageLeavesNoFinishedFolderButKeepsItsCheckpoint) {
     auto failing = [&](StageContext& context) -> Status {
         DPL_CHECK_OK(writeFileAtomically(context.folder / "checkpoint", "half"));
