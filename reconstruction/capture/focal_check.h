@@ -15,7 +15,7 @@ struct SeenKeypoint {
     Vec2d px{0};
     double confidence = 0;  // 0 to 1
 };
-/** One keypoint of a subject that stands still, in all pictures that show it. */
+/** One keypoint of a subject that stands still, or of one moment, in all pictures that show it. */
 using KeypointTrack = std::vector<SeenKeypoint>;
 
 /** Distances in pixels between each seen keypoint and its track's triangulated point, with all focal lengths multiplied by `factor` and

@@ -43,6 +43,7 @@ public:
         checkExposure();
         checkSilhouettes();
         checkKeypoints();
+        checkMoments();
         checkPoses();
         for (auto& m : measures_) out_.frames.push_back(std::move(m.check));
         for (const auto& finding : out_.findings)
@@ -206,6 +207,7 @@ private:
 
     void checkAzimuth() {
         const auto frames = ofKind(FrameKind::StaticFull);
+        if (frames.empty()) return;
         const auto views = staticViews();
         std::optional<Vec3d> centre = subjectCentre(views);
         Vec3d up(0, 1, 0);
@@ -290,6 +292,20 @@ private:
         if (!off.empty())
             find(off.size() * 3 > measures_.size(), "keypoints",
                  formatText("in {} frames the keypoints lie beside the person; were the files mixed up?", off.size()), names(off));
+    }
+
+    /** Whether synchronised cameras see a moving subject in one place. */
+    void checkMoments() {
+        std::map<double, std::vector<size_t>> moments;
+        for (size_t i : ofKind(FrameKind::Dynamic)) moments[scan_.frames[i].timeS].push_back(i);
+        if (moments.size() < 2) return;  // the scan states no times
+        std::vector<double> errors;
+        for (const auto& [timeS, frames] : moments) {
+            const std::vector<double> misses = missesPx(keypointTracks(frames), 1);
+            errors.insert(errors.end(), misses.begin(), misses.end());
+            out_.moments += !misses.empty();
+        }
+        if (out_.moments > 0) out_.momentErrorPx = percentile(errors, 0.5);
     }
 
     void checkFocalLength() {

@@ -57,6 +57,8 @@ struct ScanCheck {
     double silhouetteCoherence = -1;  // silhouettes.h; −1: fewer than four masks
     double keypointErrorPx = -1;      // median reprojection error of triangulated keypoints, static full-body frames; −1: unknown
     double keypointErrorShare = -1;   // keypointErrorPx divided by the subject's height in the picture
+    uint32_t moments = 0;             // moments of dynamic frames that four cameras or more see at once
+    double momentErrorPx = -1;        // median reprojection error of keypoints triangulated from frames of one moment; −1: no such moment
     double focalFactor = -1;  // focal_check.h: all focal lengths times this fit the keypoints best; −1: unknown, or exact as given
     std::vector<JointCoverage> joints;
 };

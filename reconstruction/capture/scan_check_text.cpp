@@ -54,6 +54,9 @@ std::string describeScanCheck(const Scan& scan, const ScanCheck& check) {
                            rounded(check.keypointErrorPx, 0.1));
     if (check.focalFactor >= 0) text += formatText(", focal length {} times the given", rounded(check.focalFactor));
     if (check.silhouetteCoherence >= 0 || check.keypointErrorPx >= 0) text += "\n";
+    if (check.moments > 0)
+        text += formatText("  moments     {} seen by four cameras or more at once, whose keypoints agree to {} px\n", check.moments,
+                           rounded(check.momentErrorPx, 0.1));
     for (size_t i = 0; i < check.joints.size(); ++i) {
         const auto& joint = check.joints[i];
         text += formatText("{}{} {}-{} deg{}",
@@ -87,6 +90,8 @@ std::string scanCheckJson(const Scan& scan, const ScanCheck& check) {
     const auto orNull = [](double value) { return value >= 0 ? nlohmann::ordered_json(value) : nlohmann::ordered_json(nullptr); };
     out["silhouette_coherence"] = orNull(check.silhouetteCoherence);
     out["keypoint_error_px"] = orNull(check.keypointErrorPx);
+    out["moments"] = check.moments;
+    out["moment_error_px"] = orNull(check.momentErrorPx);
     out["focal_factor"] = orNull(check.focalFactor);
     out["joints"] = nlohmann::ordered_json::array();
     for (const auto& j : check.joints)

@@ -63,6 +63,7 @@ TEST(ScanCheck, onlyScansOfAProtocolMayLackAStillPart) {
     TemporaryFolder folder;
     ScanBuilder builder(folder.path, 0, 25);  // 3 of them are held out
     EXPECT_EQ(check(builder.write()).verdict, ScanVerdict::Refuse);
+    EXPECT_FALSE(finding(check(folder.path), "azimuth", true)) << "nobody walked around, and one sentence says so";
     builder.manifest["protocol"] = "neuman";
     const auto c = check(builder.write());
     EXPECT_FALSE(finding(c, "files", true));
@@ -241,6 +242,31 @@ TEST(ScanCheck, aFocalLengthThatIsAFifthOffIsRefusedAndTheRightOneIsNamed) {
         EXPECT_TRUE(mentions(why->sentence, {"focal length", factor < 1 ? "short" : "long", "fx"})) << why->sentence;
     }
     EXPECT_NEAR(check(*data).focalFactor, 1, 0.03);
+}
+
+TEST(ScanCheck, synchronisedCamerasAreHeldAgainstEachOther) {
+    TemporaryFolder folder;
+    ScanBuilder builder(folder.path, 20, 12);
+    const auto stamped = [&](auto timeOf) {
+        for (int i = 0; i < 12; ++i) builder.manifest["frames"][20 + size_t(i)]["time"] = timeOf(i);
+        return check(builder.write());
+    };
+    const auto fourAtOnce = [](int i) { return double(i / 4); };
+    EXPECT_EQ(stamped([](int) { return 0.0; }).moments, 0u) << "no times are stated";
+    EXPECT_EQ(stamped([](int i) { return 0.1 * i; }).moments, 0u) << "one camera";
+    const auto agreeing = stamped(fourAtOnce);
+    EXPECT_EQ(agreeing.moments, 2u) << "one frame of the second moment is held out";
+    EXPECT_LT(agreeing.momentErrorPx, 0.1);
+    for (const char* frame : {"dyn_100", "dyn_101", "dyn_102", "dyn_108", "dyn_109", "dyn_110"}) {
+        const auto path = folder.path / "keypoints" / (std::string(frame) + ".json");
+        nlohmann::json moved = nlohmann::json::parse(std::ifstream(path));
+        for (auto& at : moved["detections"])
+            if (!at.is_null()) at[0] = at[0].get<double>() + 40;
+        writeText(path, moved.dump());
+    }
+    const auto apart = stamped(fourAtOnce);
+    EXPECT_GT(apart.momentErrorPx, 5) << "three cameras of each moment see the keypoints 40 px beside";
+    EXPECT_TRUE(mentions(describeScanCheck(*readScan(folder.path), apart), {"moments     2 seen by four cameras or more at once"}));
 }
 
 TEST(ScanCheck, sharedScansAreUsable) {
