@@ -51,6 +51,33 @@ constexpr std::pair<const char*, const char*> kSectors[] = {
     {"front right", "past the person's front right"},
 };
 
+/** Sums the corners of the triangles of some places. */
+struct Middle {
+    Vec3d sum{0};
+    size_t count = 0;
+    void add(const Vec3f& corner) { sum += Vec3d(corner), ++count; }
+    Vec3d value() const { return sum / double(count); }
+};
+
+/** The person's axes as rows: left, up, front. Up points from the feet to the head, because the trunk leans by 14° in some fits, and the
+ *  world's axes say nothing where its up is arbitrary. A body without known feet or head: the axes of its root. */
+Mat3d personFromWorld(const Mat3d& worldFromRoot, const std::vector<Vec3f>& positions, std::span<const Triangle> triangles,
+                      std::span<const BodyPlace> places) {
+    using enum BodyPlace;
+    Middle head, feet;
+    for (size_t t = 0; t < places.size(); ++t)
+        for (int k = 0; k < 3; ++k) {
+            if (places[t] == Face || places[t] == Head) head.add(positions[triangles[t][k]]);
+            if (places[t] == LeftFoot || places[t] == RightFoot) feet.add(positions[triangles[t][k]]);
+        }
+    const Vec3d stature = head.count > 0 && feet.count > 0 ? head.value() - feet.value() : worldFromRoot[1];
+    const Vec3d front = glm::cross(worldFromRoot[0], stature);
+    if (!(glm::length(front) > 1e-3 * glm::length(worldFromRoot[0]))) return glm::transpose(worldFromRoot);  // lies on its side
+    const Vec3d up = glm::normalize(stature), forward = glm::normalize(front);
+    return glm::transpose(Mat3d(glm::cross(up, forward), up, forward));
+}
+
+/** Directions and heights are the person's (personFromWorld); cameras and positions are the world's. */
 class Imagination {
 public:
     Imagination(const MeshData& surface, std::span<const JointData> joints, std::span<const BodyPlace> places, const PosedPicture& usual)
@@ -59,10 +86,10 @@ public:
         jointTransforms(joints, usual.pose, worldFromRest);
         for (size_t v = 0; v < positions_.size(); ++v)
             positions_[v] = skinVertex(surface.restPositions[v], surface.jointIndices[v], surface.jointWeights[v], worldFromRest.data());
-        const Vec3f facing = Mat3f(worldFromRest[0][0], worldFromRest[0][1], worldFromRest[0][2]) * Vec3f(0, 0, 1);
-        facingRad_ = std::atan2(facing.x, facing.z);
-        low_ = high_ = Vec3d(positions_.front());
-        for (const Vec3f& p : positions_) low_ = glm::min(low_, Vec3d(p)), high_ = glm::max(high_, Vec3d(p));
+        const Mat3d worldFromRoot(worldFromRest[0][0], worldFromRest[0][1], worldFromRest[0][2]);
+        personFromWorld_ = personFromWorld(worldFromRoot, positions_, surface.triangles, places);
+        low_ = high_ = inPerson(positions_.front());
+        for (const Vec3f& p : positions_) low_ = glm::min(low_, inPerson(p)), high_ = glm::max(high_, inPerson(p));
         middle_ = 0.5 * (low_ + high_);
     }
 
@@ -70,7 +97,7 @@ public:
         std::vector<Vec3d> points;
         for (size_t t = 0; t < places_.size(); ++t)
             if (std::find(kind.of.begin(), kind.of.end(), places_[t]) != kind.of.end())
-                for (int k = 0; k < 3; ++k) points.emplace_back(positions_[surface_.triangles[t][k]]);
+                for (int k = 0; k < 3; ++k) points.push_back(inPerson(positions_[surface_.triangles[t][k]]));
         ImaginedShot shot;
         if (points.empty()) return shot;
         Vec3d centre(0);
@@ -79,7 +106,7 @@ public:
         for (const Vec3d& p : points) reaches.push_back(glm::length(p - centre));
         const double distance = roundedCm(std::max(kind.distanceM, distanceThatShows(2 * percentile(reaches, 0.9), 0)));
         const bool hand = kind.of.front() == BodyPlace::LeftHand || kind.of.front() == BodyPlace::RightHand;
-        const double azimuth = hand ? std::atan2(centre.x - middle_.x, centre.z - middle_.z) : facingRad_ + kind.azimuthDeg * kDegree;
+        const double azimuth = hand ? std::atan2(centre.x - middle_.x, centre.z - middle_.z) : kind.azimuthDeg * kDegree;
         shot.key = formatText("closeup {}", kind.key);
         shot.action = formatText("Film {} from {} cm, {}", kind.name, std::round(100 * distance), kind.from);
         shot.of = kind.of, shot.plural = kind.plural;
@@ -98,7 +125,7 @@ public:
         ImaginedShot around;
         around.key = "walk around", around.action = "Walk round the person again" + from, around.effort = kWalkAroundEffort;
         for (size_t s = 0; s < std::size(kSectors); ++s) {
-            const double azimuth = facingRad_ + double(s) * 45 * kDegree;
+            const double azimuth = double(s) * 45 * kDegree;
             ImaginedShot shot;
             shot.key = formatText("walk {}", kSectors[s].first);
             shot.action = formatText("Walk once more {}{}", kSectors[s].second, from);
@@ -124,16 +151,18 @@ public:
         }
     }
 
-    const Vec3d& middle() const { return middle_; }
+    /** From the middle of the person. */
+    Vec3d wayTo(const Vec3d& placeInWorld) const { return personFromWorld_ * placeInWorld - middle_; }
 
 private:
     const MeshData& surface_;
     std::span<const BodyPlace> places_;
     Camerad lens_;
     std::vector<Vec3f> positions_;
-    Vec3d low_, high_, middle_;
-    double facingRad_ = 0;
+    Mat3d personFromWorld_{1.0};
+    Vec3d low_, high_, middle_;  // in the person's axes
 
+    Vec3d inPerson(const Vec3f& positionInWorld) const { return personFromWorld_ * Vec3d(positionInWorld); }
     static double roundedCm(double m) { return std::ceil(m * 20 - 1e-9) / 20; }
     static std::string metres(double m) { return formatText("{}", std::round(10 * m) / 10); }
     /** At which something of this size fills kFilled of the picture: of its shorter side (0) or of its height (1). */
@@ -142,7 +171,10 @@ private:
         return sizeM / (kFilled * (height ? tall : std::min(tall, across)));
     }
     Camerad at(const Vec3d& target, double distanceM, double azimuthRad, double elevationRad) const {
-        return orbitCamera(target, distanceM, azimuthRad, elevationRad, 0.5 * (lens_.fx + lens_.fy), lens_.widthPx, lens_.heightPx);
+        const double focalPx = 0.5 * (lens_.fx + lens_.fy);
+        Camerad camera = orbitCamera(target, distanceM, azimuthRad, elevationRad, focalPx, lens_.widthPx, lens_.heightPx);
+        camera.viewFromWorldRotation = camera.viewFromWorldRotation * personFromWorld_;
+        return camera;
     }
 };
 
@@ -163,7 +195,7 @@ std::vector<ImaginedShot> imagineShots(const MeshData& surface, std::span<const 
     std::vector<double> distances, elevations;
     for (const PosedPicture& p : pictures) {
         if (p.closeUp) continue;
-        const Vec3d way = p.camera.eye() - imagination.middle();
+        const Vec3d way = imagination.wayTo(p.camera.eye());
         distances.push_back(glm::length(way));
         elevations.push_back(std::asin(std::clamp(way.y / std::max(1e-9, glm::length(way)), -0.9, 0.9)));
     }

@@ -23,8 +23,9 @@ struct ImaginedShot {
     double typicalPixelM() const;
 };
 
-/** The subject stands as in the first full-body picture, and the camera is that picture's. Walks keep the usual distance of the full-body
- *  pictures, or come nearer when the person fills less than 60 % of their height. No full-body picture: no shots. */
+/** The subject stands as in the first full-body picture, and the camera is that picture's. Sides and heights are those of the subject; the
+ *  world may have any up. Walks keep the usual distance of the full-body pictures, or come nearer when the person fills less than 60 % of
+ *  their height. No full-body picture: no shots. */
 std::vector<ImaginedShot> imagineShots(const MeshData& surface, std::span<const JointData> joints, std::span<const BodyPlace> places,
                                        std::span<const PosedPicture> pictures, Jobs& jobs);
 

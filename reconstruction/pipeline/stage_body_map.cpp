@@ -64,7 +64,7 @@ Status mapSurface(const StageRun& run, const IngestedScan& ingested, const Fitte
 Result<MappedBody> runBodyMap(const StageRun& run, const IngestedScan& ingested, const FittedBody& body, const FittedSurface& surface,
                               Pictures& pictures) {
     const json inputs = {{"training", ingested.trainingHash}, {"surface", surface.key}};
-    DPL_TRY(const StageOutput stage, run.chain.run("body-map", 2, inputs, [&](StageContext& context) {
+    DPL_TRY(const StageOutput stage, run.chain.run("body-map", 3, inputs, [&](StageContext& context) {
         return mapSurface(run, ingested, body, surface, pictures, context);
     }));
     MappedBody mapped;

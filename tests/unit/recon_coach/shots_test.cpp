@@ -9,6 +9,7 @@
 #include <gtest/gtest.h>
 #include <opencv2/imgproc.hpp>
 
+#include "reconstruction/body/fit_body.h"
 #include "reconstruction/coach/imagined_shots.h"
 #include "reconstruction/sample/raycast.h"
 #include "reconstruction/sample/scan_plan.h"
@@ -160,6 +161,55 @@ TEST_F(Coach, aShotThatWasAskedForRaisesTheMapThereAndLowersItNowhere) {
     EXPECT_GT(halvings / area, 1) << "on the hand";
     const FilmAgain next = bestShots(subject_->mesh, subject_->joints, places_, after, some, *jobs_);
     for (const Shot& shot : next.shots) EXPECT_NE(shot.key, asked->key) << "it was just filmed\n" << told(next);
+}
+
+/** The same pictures in a world of another up, origin and unit, with the body fitted there: metres_B = turn · metres_A + shift. */
+std::vector<Shown> inWorld(std::vector<Shown> stills, const Vec3f& restOfRoot, const Quatd& turn, const Vec3d& shift,
+                           double metresPerUnit) {
+    for (Shown& s : stills) {
+        Camerad& camera = s.camera;  // of the scan: its translation is in units
+        camera.viewFromWorldRotation = camera.viewFromWorldRotation * glm::mat3_cast(glm::conjugate(turn));
+        camera.viewFromWorldTranslation = (camera.viewFromWorldTranslation - camera.viewFromWorldRotation * shift) / metresPerUnit;
+        camera = metricCamera(camera, metresPerUnit);
+        const Vec3d root = turn * Vec3d(restOfRoot + s.pose.rootTranslation) + shift;
+        s.pose.localRotations[0] = Quatf(turn) * s.pose.localRotations[0];
+        s.pose.rootTranslation = Vec3f(root) - restOfRoot;
+    }
+    return stills;
+}
+
+TEST_F(Coach, adviceIsThePersonsInAnyWorld) {
+    const auto leftMissing = [](const Shown& s) { return s.kind != "static_full" || std::abs(s.azimuthDeg - 90) > 65; };
+    const auto farAndBare = [](const Shown& s) { return s.kind == "static_full"; };
+    const Quatd turns[] = {glm::angleAxis(std::numbers::pi, Vec3d(1, 0, 0)), glm::angleAxis(0.5 * std::numbers::pi, Vec3d(1, 0, 0)),
+                           glm::angleAxis(2.1, glm::normalize(Vec3d(0.3, -0.8, 0.5)))};
+    for (const std::function<bool(const Shown&)>& keep : {std::function<bool(const Shown&)>(leftMissing), {farAndBare}}) {
+        const FilmAgain upright = advise(pictures(stills_, keep));
+        ASSERT_FALSE(upright.shots.empty());
+        for (const Quatd& turn : turns) {
+            const auto turned = inWorld(stills_, subject_->joints[0].restPosition, turn, {0.4, -1.3, 2}, 1 / 3.0);
+            const FilmAgain advice = advise(pictures(turned, keep));
+            EXPECT_EQ(told(advice), told(upright));
+            for (size_t i = 0; i < std::min(advice.shots.size(), upright.shots.size()); ++i)
+                EXPECT_NEAR(advice.shots[i].gain / upright.shots[i].gain, 1, 0.02);  // floats hide other triangles at outlines
+        }
+    }
+}
+
+/** Hips of many fits lean by up to 14°, and what hangs on them leans back. */
+TEST_F(Coach, leaningHipsTiltNoShot) {
+    std::vector<PosedPicture> some = pictures(stills_, all);
+    const Quatf lean = glm::angleAxis(0.24f, Vec3f(1, 0, 0));
+    for (PosedPicture& p : some) {
+        p.pose.localRotations[0] = p.pose.localRotations[0] * lean;
+        for (size_t j = 1; j < subject_->joints.size(); ++j)
+            if (subject_->joints[j].parent == 0) p.pose.localRotations[j] = glm::conjugate(lean) * p.pose.localRotations[j];
+    }
+    const std::vector<ImaginedShot> shots = imagineShots(subject_->mesh, subject_->joints, places_, some, *jobs_);
+    const auto chest = std::find_if(shots.begin(), shots.end(), [](const ImaginedShot& shot) { return shot.key == "closeup chest"; });
+    ASSERT_NE(chest, shots.end());
+    const Vec3d back = -(glm::transpose(chest->cameras[2].viewFromWorldRotation) * Vec3d(0, 0, 1));
+    EXPECT_NEAR(std::asin(back.y) * 180 / std::numbers::pi, 5, 4) << "the chest is filmed from 5 degrees above it";
 }
 
 TEST_F(Coach, tellsLeftFromRightAndEveryTriangleHasAPlace) {
