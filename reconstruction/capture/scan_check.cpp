@@ -19,7 +19,12 @@
 namespace dpl {
 namespace {
 
+constexpr size_t kFewestStill = 8;
 constexpr size_t kFewestMoving = 20;  // of a scan without a still part; NeuMan trains on 30 and more
+
+size_t listed(const Scan& scan, FrameKind kind) {
+    return size_t(std::count_if(scan.frames.begin(), scan.frames.end(), [=](const ScanFrame& f) { return f.kind == kind; }));
+}
 
 class Checker {
 public:
@@ -87,18 +92,12 @@ private:
             }
         if (!bad.empty())
             find(true, "files", formatText("{} of {} frames cannot be read; the first: {}", bad.size(), measures_.size(), first), bad);
-        size_t full = 0, held = 0, moving = 0;
-        for (const auto& f : scan_.frames) {
-            full += f.kind == FrameKind::StaticFull, held += f.split == Split::Test;
-            moving += f.kind == FrameKind::Dynamic && f.split == Split::Train;
-        }
-        if (full == 0 && moving >= kFewestMoving && !scan_.protocol.empty())  // published data sets have no still part
+        if (std::string lack = missingStillPart(scan_); !lack.empty())
+            find(true, "files", std::move(lack));
+        else if (listed(scan_, FrameKind::StaticFull) == 0)
             find(false, "files", "the subject never stands still, so its shape and one layer of splats come from moving frames alone");
-        else if (full < 8)
-            find(true, "files",
-                 formatText(
-                     "only {} full-body pictures of the still subject, at least 8 are needed and 40 or more are better; walk once around",
-                     full));
+        const auto held =
+            std::count_if(scan_.frames.begin(), scan_.frames.end(), [](const ScanFrame& f) { return f.split == Split::Test; });
         if (held == 0) find(false, "files", "no picture is held out, so the report cannot judge the result on unseen views");
         const auto mixed = select([](const ScanFrame&, const FrameMeasures& m) { return m.labelAgreement >= 0 && m.labelAgreement < 0.7; });
         if (!mixed.empty())
@@ -333,9 +332,7 @@ private:
         std::map<std::string, size_t> order;
         for (size_t k = 0; k < scan_.keypointNames.size(); ++k) order[scan_.keypointNames[k]] = k;
         const auto frames = ofKind(FrameKind::Dynamic);
-        size_t listed = 0;
-        for (const auto& f : scan_.frames) listed += f.kind == FrameKind::Dynamic;
-        if (listed == 0)
+        if (listed(scan_, FrameKind::Dynamic) == 0)
             return find(false, "poses",
                         "no dynamic pictures: how clothes follow the pose cannot be learned; film arm and leg raises if you can");
         size_t still = 0, known = 0;
@@ -372,6 +369,16 @@ private:
 };
 
 }  // namespace
+
+std::string missingStillPart(const Scan& scan) {
+    const size_t full = listed(scan, FrameKind::StaticFull);
+    const auto teaches = [](const ScanFrame& f) { return f.kind == FrameKind::Dynamic && f.split == Split::Train; };
+    const auto moving = size_t(std::count_if(scan.frames.begin(), scan.frames.end(), teaches));
+    if (full == 0 && moving >= kFewestMoving && !scan.protocol.empty()) return {};  // published data sets have no still part
+    if (full >= kFewestStill) return {};
+    return formatText("only {} full-body pictures of the still subject, at least {} are needed and 40 or more are better; walk once around",
+                      full, kFewestStill);
+}
 
 Result<ScanCheck> checkScan(const Scan& scan, Jobs& jobs, const std::function<bool(double)>& progress) {
     if (scan.frames.empty()) return fail(Code::InvalidArgument, "{}: the scan has no frame to check", scan.root.string());

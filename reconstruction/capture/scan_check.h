@@ -63,6 +63,10 @@ struct ScanCheck {
     std::vector<JointCoverage> joints;
 };
 
+/** Why checkScan() will refuse the scan for its list of frames alone: too few show the whole subject standing still. Empty: they suffice.
+ */
+std::string missingStillPart(const Scan& scan);
+
 /** Opens every file of the scan. Problems of the scan become findings; an error means that nothing could be examined.
  *  progress (may be empty): called on the calling thread with the share of the pictures that were read; false cancels (Code::Cancelled). */
 Result<ScanCheck> checkScan(const Scan& scan, Jobs& jobs, const std::function<bool(double share)>& progress = {});

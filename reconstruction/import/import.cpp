@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "reconstruction/capture/scan_check.h"
 #include "reconstruction/import/layout.h"
 #include "reconstruction/import/readers.h"
 #include "reconstruction/import/write_scan.h"
@@ -82,7 +83,18 @@ void thinOut(Capture& capture) {
     pictures = std::move(kept);
 }
 
-std::string summaryOf(const Capture& capture, const fs::path& out) {
+/** The last line: the next command, or what the scan lacks before one works. */
+std::string nextStep(const Scan& scan, const fs::path& out) {
+    const std::string lack = missingStillPart(scan);
+    if (lack.empty()) return formatText("wrote {}; next: doppel reconstruct {} -o OUT", out.string(), out.string());
+    return formatText("wrote {}, which gives no avatar yet: {}. {}", out.string(), lack,
+                      scan.camerasKnown
+                          ? formatText("Add such pictures to {} as frames of the kind static_full, with cameras of the same world",
+                                       (out / "scan.json").string())
+                          : std::string("Import such pictures together with these, into another folder"));
+}
+
+std::string summaryOf(const Capture& capture, const Scan& scan, const fs::path& out) {
     size_t counts[3] = {};
     for (const CapturePicture& picture : capture.pictures) ++counts[size_t(picture.kind)];
     const bool known = capture.pictures.front().camera.has_value();
@@ -92,7 +104,7 @@ std::string summaryOf(const Capture& capture, const fs::path& out) {
                                   : capture.metricWorld ? "cameras in metres"
                                                         : "cameras of unknown scale");
     for (const std::string& note : capture.notes) text += "  " + note + "\n";
-    return text + formatText("wrote {}; next: doppel reconstruct {} -o OUT", out.string(), out.string());
+    return text + nextStep(scan, out);
 }
 
 }  // namespace
@@ -136,11 +148,11 @@ Result<std::string> importCapture(const ImportOptions& options, const std::atomi
         if (cancel && cancel->load()) return false;
         return !progress || progress(kReading + (1 - kReading) * share, what);
     }));
-    DPL_TRY([[maybe_unused]] const Scan check, readScan(partial / "scan", ScanCameras::MayLack));
+    DPL_TRY(const Scan scan, readScan(partial / "scan", ScanCameras::MayLack));
     if (fs::exists(out, error)) fs::remove(out, error);
     fs::rename(partial / "scan", out, error);
     if (error) return fail(Code::Io, "cannot write {}: {}; choose another output with -o", out.string(), error.message());
-    return summaryOf(capture, out);
+    return summaryOf(capture, scan, out);
 }
 
 }  // namespace dpl

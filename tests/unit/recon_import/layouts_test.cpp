@@ -247,6 +247,21 @@ TEST(Layouts, heightIsKeptInTheScan) {
     EXPECT_EQ(readScan(folder.path / "scan")->subjectHeightM, 1.74);
 }
 
+TEST(Layouts, theNextCommandIsNamedWhenItWorks) {
+    TemporaryFolder folder;
+    std::string summary;
+    for (int i = 0; i < 8; ++i) {
+        if (i == 7) {
+            ASSERT_TRUE(importedScan(folder.path / "photos", folder.path / "few", &summary));
+            EXPECT_TRUE(mentions(summary, {"only 7 full-body pictures", "at least 8", "together with these"}));
+            EXPECT_EQ(summary.find("next:"), std::string::npos) << summary;
+        }
+        writeBytes(folder.path / formatText("photos/{}.jpg", i), jpegOf(spotPicture(96, 128, kMadePixel)));
+    }
+    ASSERT_TRUE(importedScan(folder.path / "photos", folder.path / "enough", &summary));
+    EXPECT_TRUE(mentions(summary, {"next: doppel reconstruct", "enough"}));
+}
+
 TEST(Layouts, digitsInNamesCountAsNumbers) {
     EXPECT_TRUE(naturallyBefore("IMG_2.jpg", "IMG_10.jpg"));
     EXPECT_FALSE(naturallyBefore("IMG_10.jpg", "IMG_2.jpg"));

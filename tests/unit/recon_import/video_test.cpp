@@ -262,6 +262,18 @@ TEST_F(VideoFiles, cancelActsWithinASecond) {
     EXPECT_FALSE(fs::exists(options.out));
 }
 
+TEST_F(VideoFiles, calibratedVideosAloneLackAStillPart) {
+    make("cam01.mp4", h264(), "", "96x128");
+    writeText(folder.path / "Calib.qca.txt", qualisysText());
+    ImportOptions options;
+    options.source = folder.path / "Calib.qca.txt";
+    options.out = folder.path / "scan";
+    const auto done = importCapture(options, nullptr, {});
+    ASSERT_TRUE(done) << done.error().message;
+    EXPECT_TRUE(mentions(*done, {"only 0 full-body pictures of the still subject", "static_full", "scan.json"}));
+    EXPECT_EQ(done->find("doppel reconstruct"), std::string::npos) << "it would refuse: " << *done;
+}
+
 TEST_F(VideoFiles, fourRealCamerasAreCutAtTheSameMoments) {
     const auto data = sharedData("real-multiview-balance/Calib.qca.txt");
     if (!data) GTEST_SKIP() << "shared data (real-multiview-balance) is not on this machine";
