@@ -187,11 +187,7 @@ Result<Scan> readScanFolder(const fs::path& manifestPath) {
     if (frames->size() > kMaxFrames)
         return fail(Code::Unsupported, "{}: {} frames, at most {} are read; remove some frames from the scan", manifestPath.string(),
                     frames->size(), kMaxFrames);
-    if (fields.has("metric")) {
-        if (!manifest.at("metric").is_boolean())
-            return fail(Code::CorruptData, "{}: 'metric' is neither true nor false; correct it", manifestPath.string());
-        scan.metricWorld = manifest.at("metric").get<bool>();
-    }
+    DPL_TRY(scan.metricWorld, fields.boolean("metric", true));
     DPL_TRY(scan.protocol, fields.text("protocol", ""));
     if (!scan.protocol.empty() && scan.protocol != "neuman")
         return fail(Code::Unsupported, "{}: protocol '{}' is not 'neuman'; remove the field", manifestPath.string(),

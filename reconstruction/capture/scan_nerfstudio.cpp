@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Reads nerfstudio's transforms.json: OpenGL camera-to-world matrices, shared or per-frame intrinsics, optional masks and split lists. The
-// world is taken as y-up and metric, unless "world_up" is "z" or an "applied_transform" shows that it came from a COLMAP model.
+// Reads nerfstudio's transforms.json: OpenGL camera-to-world matrices, shared or per-frame intrinsics, optional masks and split lists.
+//
+// Many programs write such files: with y up (ARKit) or z up (Blender, nerfstudio), in metres or scaled to a box. So up and scale are
+// trusted only where the file states them, by "metric" and "world_up", or NeRFCapture wrote it.
 #include <array>
 #include <cmath>
 #include <map>
@@ -92,6 +94,35 @@ Result<std::map<std::string, Split>> readSplits(const JsonFields& fields) {
     return splits;
 }
 
+/** What is known of the world. */
+struct NerfWorld {
+    bool zUp = false, metric = false;
+    std::string assumed;
+};
+
+Result<NerfWorld> readWorld(const JsonFields& fields, char upIfUnstated) {
+    const bool upStated = fields.has("world_up"), unitStated = fields.has("metric");
+    DPL_TRY(const std::string up, fields.text("world_up", std::string(1, upIfUnstated)));
+    if (up != "y" && up != "z")
+        return fail(Code::Unsupported, "{}: world_up '{}' is neither y nor z; turn the world", fields.where(), up.substr(0, 60));
+    // NeRFCapture (Manifest.swift) alone has this key; instant-ngp's is integer_depth_scale. It writes ARKit's poses: metres, y up.
+    const bool nerfCapture = !upStated && fields.has("depth_integer_scale");
+    NerfWorld world;
+    world.zUp = up == "z" && !nerfCapture;
+    DPL_TRY(world.metric, fields.boolean("metric", nerfCapture));
+    if (world.metric && !upStated && !nerfCapture)
+        return fail(Code::CorruptData, "{}: 'metric' is true, but the file does not say which way is up; add \"world_up\": \"y\" or \"z\"",
+                    fields.where());
+    if (nerfCapture && !unitStated)
+        world.assumed = formatText("{} was written by NeRFCapture, so its world is in metres and y is up", fields.where());
+    else if (!unitStated)
+        world.assumed = formatText(
+            "{} does not say that its world is in metres: up and scale are taken as unknown, and the body fit finds them. If it is in "
+            "metres, add \"metric\": true and \"world_up\": \"y\" or \"z\"",
+            fields.where());
+    return world;
+}
+
 FrameKind kindFromName(const std::string& name) {
     if (name.starts_with("close")) return FrameKind::StaticCloseup;
     if (name.starts_with("dyn")) return FrameKind::Dynamic;
@@ -100,7 +131,7 @@ FrameKind kindFromName(const std::string& name) {
 
 }  // namespace
 
-Result<Scan> parseNerfstudio(const json& manifest, const fs::path& manifestPath, const NerfstudioFiles& files) {
+Result<Scan> parseNerfstudio(const json& manifest, const fs::path& manifestPath, const NerfstudioFiles& files, char up) {
     const std::string file = manifestPath.string();
     JsonFields fields(manifest, file);
     DPL_TRY(const std::string model, fields.text("camera_model", "OPENCV"));
@@ -108,14 +139,13 @@ Result<Scan> parseNerfstudio(const json& manifest, const fs::path& manifestPath,
         return fail(Code::Unsupported,
                     "{}: camera_model '{}' is not read; undistort the images first, for example with 'colmap image_undistorter'", file,
                     model.substr(0, 60));
-    DPL_TRY(const std::string up, fields.text("world_up", "y"));
-    if (up.size() != 1 || (up[0] != 'y' && up[0] != 'z'))
-        return fail(Code::Unsupported, "{}: world_up '{}' is neither y nor z; turn the world", file, up.substr(0, 60));
+    DPL_TRY(NerfWorld world, readWorld(fields, up));
     Scan scan;
     scan.source = ScanSource::Nerfstudio;
     scan.root = manifestPath.parent_path();
     scan.name = scan.root.filename().string();
-    scan.metricWorld = !fields.has("applied_transform") && !fields.has("applied_scale");
+    scan.metricWorld = world.metric;
+    scan.assumed = std::move(world.assumed);
     DPL_TRY(auto splits, readSplits(fields));
     scan.splitStated = !splits.empty();
     DPL_TRY(const json* frames, fields.array("frames"));
@@ -139,7 +169,7 @@ Result<Scan> parseNerfstudio(const json& manifest, const fs::path& manifestPath,
         DPL_TRY(const ImageHeader header, files.header(frame.imagePath));
         DPL_CHECK_OK(readIntrinsics(fieldsHere, fields, header, frame.camera, frame.lens));
         DPL_CHECK_OK(readPose(entry, where, frame.camera));
-        if (up[0] == 'z') turnZUpWorld(frame.camera);
+        if (world.zUp) turnZUpWorld(frame.camera);
         const std::string named = formatText("{} ('{}')", where, frame.name);
         DPL_CHECK_OK(checkCamera(frame.camera, named));
         DPL_CHECK_OK(checkDistortion(frame.lens, frame.camera, named));
@@ -155,14 +185,14 @@ Result<Scan> parseNerfstudio(const json& manifest, const fs::path& manifestPath,
     return scan;
 }
 
-Result<Scan> readNerfstudio(const fs::path& manifestPath) {
+Result<Scan> readNerfstudio(const fs::path& manifestPath, char up) {
     DPL_TRY(const json manifest, readJsonObject(manifestPath));
     const fs::path root = manifestPath.parent_path();
     NerfstudioFiles files;
     files.picture = [&](const std::string& relative, const std::string& where) { return imageOf(root, relative, where); };
     files.mask = [&](const std::string& relative, const std::string& where) { return fileInside(root, relative, where); };
     files.header = probeImage;
-    DPL_TRY(Scan scan, parseNerfstudio(manifest, manifestPath, files));
+    DPL_TRY(Scan scan, parseNerfstudio(manifest, manifestPath, files, up));
     DPL_CHECK_OK(finishScan(scan));
     return scan;
 }

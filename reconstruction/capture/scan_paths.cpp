@@ -105,6 +105,13 @@ Result<std::string> JsonFields::text(const char* key, const std::string& otherwi
     return text(key);
 }
 
+Result<bool> JsonFields::boolean(const char* key, bool otherwise) const {
+    if (!has(key)) return otherwise;
+    const json& value = object_.at(key);
+    if (!value.is_boolean()) return fail(Code::CorruptData, "{}: '{}' is neither true nor false; correct it", where_, key);
+    return value.get<bool>();
+}
+
 Result<const json*> JsonFields::array(const char* key) const {
     if (!has(key)) return fail(Code::CorruptData, "{}: '{}' is missing; add the list", where_, key);
     const json& value = object_.at(key);

@@ -41,6 +41,7 @@ public:
     Result<double> number(const char* key, double otherwise) const;
     Result<std::string> text(const char* key) const;
     Result<std::string> text(const char* key, const std::string& otherwise) const;
+    Result<bool> boolean(const char* key, bool otherwise) const;
     Result<const nlohmann::json*> array(const char* key) const;
     Result<std::vector<double>> numbers(const char* key, size_t count) const;  // exactly `count`, all finite
 
@@ -54,14 +55,16 @@ private:
 Status finishScan(Scan& scan);
 
 Result<Scan> readScanFolder(const std::filesystem::path& manifest);
-Result<Scan> readNerfstudio(const std::filesystem::path& manifest);
+/** `up`: 'y' or 'z', of a file that does not state it. */
+Result<Scan> readNerfstudio(const std::filesystem::path& manifest, char up = 'y');
 /** How parseNerfstudio looks at files: the checked path of a name in the manifest, and the size of a picture. */
 struct NerfstudioFiles {
     std::function<Result<std::filesystem::path>(const std::string&relative, const std::string&where)> picture, mask;
     std::function<Result<ImageHeader>(const std::filesystem::path&)> header;
 };
 /** Frames and cameras of a manifest, before finishScan(). */
-Result<Scan> parseNerfstudio(const nlohmann::json& manifest, const std::filesystem::path& path, const NerfstudioFiles& files);
+Result<Scan> parseNerfstudio(const nlohmann::json& manifest, const std::filesystem::path& path, const NerfstudioFiles& files,
+                             char up = 'y');
 /** The folder of a COLMAP model's pictures when `folder` is it, its sparse or its sparse/0; `folder` itself when no images/ is near; empty
  * when there is no model. */
 std::filesystem::path colmapRoot(const std::filesystem::path& folder);

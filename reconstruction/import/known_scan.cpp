@@ -4,7 +4,6 @@
 //
 // NeRF-synthetic follows the loader of github.com/bmild/nerf (load_blender.py): camera_angle_x in radians, file_path without an extension,
 // OpenGL camera-to-world matrices in Blender's z-up world of arbitrary scale. The alpha channel is the mask.
-#include "reconstruction/cameras/camera_convention.h"
 #include "reconstruction/capture/image_file.h"
 #include "reconstruction/capture/scan_paths.h"
 #include "reconstruction/import/readers.h"
@@ -47,6 +46,7 @@ Result<Capture> readKnownScan(const fs::path& root) {
     capture.what = scan.source == ScanSource::Colmap ? "COLMAP model" : "nerfstudio or NeRFCapture folder";
     capture.metricWorld = scan.metricWorld;
     capture.splitStated = scan.splitStated;
+    if (!scan.assumed.empty()) capture.notes.push_back(scan.assumed);
     for (const ScanFrame& frame : scan.frames) capture.pictures.push_back(pictureOf(frame));
     return capture;
 }
@@ -54,16 +54,16 @@ Result<Capture> readKnownScan(const fs::path& root) {
 Result<Capture> readNerfSynthetic(const fs::path& root) {
     Capture capture;
     capture.what = "NeRF-synthetic folder";
-    capture.metricWorld = false;
     std::error_code ignored;
     for (const auto& [name, split] :
          {std::pair{"transforms_train.json", Split::Train}, {"transforms_val.json", Split::Test}, {"transforms_test.json", Split::Test}}) {
         if (split == Split::Test && !fs::exists(root / name, ignored)) continue;
-        DPL_TRY(const Scan part, readNerfstudio(root / name));
+        DPL_TRY(const Scan part, readNerfstudio(root / name, 'z'));
+        if (split == Split::Train && !part.assumed.empty()) capture.notes.push_back(part.assumed);
+        capture.metricWorld &= part.metricWorld;
         for (const ScanFrame& frame : part.frames) {
             CapturePicture picture = pictureOf(frame);
             picture.split = split;
-            turnZUpWorld(*picture.camera);
             capture.splitStated |= split == Split::Test;
             capture.pictures.push_back(std::move(picture));
         }

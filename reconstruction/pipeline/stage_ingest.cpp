@@ -79,6 +79,7 @@ Result<IngestedScan> runIngest(const StageRun& run, const std::filesystem::path&
     auto read = readScan(folder, ScanCameras::MayLack);
     if (!read) return refuse(run, {"ingest"}, read.error());
     ingested.scan = std::move(*read);
+    if (!ingested.scan.assumed.empty()) run.progress.note(ingested.scan.assumed);
     std::filesystem::path observations;
     const std::filesystem::path networks = !models.empty() ? models : lacksObservations(ingested.scan) ? installedModels() : models;
     if (!networks.empty()) {

@@ -3,6 +3,7 @@
 #include <functional>
 
 #include "reconstruction/capture/scan.h"
+#include "reconstruction/capture/scan_check.h"
 #include "tests/unit/recon_capture/scan_builder.h"
 #include "tests/unit/shared_data.h"
 
@@ -50,6 +51,74 @@ TEST(Nerfstudio, zUpWorldsAreTurnedWhenStated) {
     EXPECT_NEAR(glm::length(scan->frames[0].camera.eye() - Vec3d(0, 1, 2.5)), 0, 1e-12);
 }
 
+Result<Scan> scanOf(const TemporaryFolder& folder, const json& manifest) {
+    writeText(folder.path / "transforms.json", manifest.dump());
+    return readScan(folder.path);
+}
+
+TEST(Nerfstudio, metresCountOnlyWhenStated) {
+    TemporaryFolder folder;
+    json m = transforms(folder.path);
+    auto scan = scanOf(folder, m);
+    ASSERT_TRUE(scan) << scan.error().message;
+    EXPECT_FALSE(scan->metricWorld);
+    EXPECT_TRUE(mentions(scan->assumed, {"transforms.json", "unknown", "\"metric\": true", "\"world_up\""}));
+    m["world_up"] = "z";
+    EXPECT_FALSE(scanOf(folder, m)->metricWorld) << "a stated up is no unit";
+    m["metric"] = true;
+    scan = scanOf(folder, m);
+    ASSERT_TRUE(scan) << scan.error().message;
+    EXPECT_TRUE(scan->metricWorld);
+    EXPECT_EQ(scan->assumed, "");
+    m["metric"] = false;
+    scan = scanOf(folder, m);
+    EXPECT_TRUE(scan && !scan->metricWorld && scan->assumed.empty());
+}
+
+TEST(Nerfstudio, nerfCaptureWritesMetresAndYUp) {
+    TemporaryFolder folder;
+    json m = transforms(folder.path);
+    m["depth_integer_scale"] = 1.0;
+    const auto scan = scanOf(folder, m);
+    ASSERT_TRUE(scan) << scan.error().message;
+    EXPECT_TRUE(scan->metricWorld);
+    EXPECT_TRUE(mentions(scan->assumed, {"NeRFCapture", "metres"}));
+}
+
+/** The builder's walk round the subject as transforms.json, its world as in scan.json: z up, `scale` units a metre. */
+json walkOf(const ScanBuilder& builder, double scale) {
+    json m = {{"fl_x", 100.0}, {"fl_y", 100.0}, {"frames", json::array()}};
+    for (const json& frame : builder.manifest["frames"]) {
+        const auto r = frame["camera"]["R"].get<std::vector<double>>(), t = frame["camera"]["t"].get<std::vector<double>>();
+        json rows = json::array();
+        for (size_t i = 0; i < 3; ++i) {
+            const double eye = -(r[i] * t[0] + r[3 + i] * t[1] + r[6 + i] * t[2]);
+            rows.push_back({r[i], -r[3 + i], -r[6 + i], scale * eye});
+        }
+        rows.push_back({0, 0, 0, 1});
+        m["frames"].push_back({{"file_path", frame["image"]}, {"mask_path", frame["mask"]}, {"transform_matrix", rows}});
+    }
+    return m;
+}
+
+TEST(Nerfstudio, aWalkHasTheSameVerdictInAnyWorld) {
+    TemporaryFolder folder;
+    const ScanBuilder builder(folder.path, 20);
+    Jobs jobs(2);
+    json known = walkOf(builder, 1);
+    known["world_up"] = "z", known["metric"] = true;
+    const auto truth = checkScan(*scanOf(folder, known), jobs);
+    ASSERT_TRUE(truth);
+    EXPECT_EQ(truth->verdict, ScanVerdict::Usable) << "no dynamic pictures";
+    for (const double scale : {1.0, 3.0}) {
+        const auto foreign = checkScan(*scanOf(folder, walkOf(builder, scale)), jobs);
+        ASSERT_TRUE(foreign);
+        EXPECT_EQ(foreign->verdict, truth->verdict) << foreign->findings.front().sentence;
+        EXPECT_NEAR(foreign->largestGapDeg, truth->largestGapDeg, 0.01);
+        EXPECT_NEAR(foreign->silhouetteCoherence, truth->silhouetteCoherence, 0.01);
+    }
+}
+
 TEST(Nerfstudio, refusals) {
     const auto expect = [](const std::function<void(json&)>& breakIt, std::initializer_list<const char*> words) {
         TemporaryFolder folder;
@@ -75,6 +144,9 @@ TEST(Nerfstudio, refusals) {
     expect([](json& m) { m["frames"][1]["file_path"] = "images/full_100.jpg"; }, {"full_100", "twice"});
     expect([](json& m) { m["train_filenames"] = {"images/full_100.jpg"}; }, {"full_101", "none of"});
     expect([](json& m) { m["train_filenames"] = m["test_filenames"] = {"images/full_100.jpg", "images/full_101.jpg"}; }, {"both"});
+    expect([](json& m) { m["metric"] = true; }, {"transforms.json", "\"world_up\": \"y\" or \"z\""});
+    expect([](json& m) { m["metric"] = "yes"; }, {"'metric'", "neither true nor false"});
+    expect([](json& m) { m["world_up"] = "x"; }, {"world_up 'x'"});
     expect([](json& m) { m["w"] = 97; }, {"97 x 128", "96 x 128"});
 }
 

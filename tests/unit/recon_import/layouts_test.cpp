@@ -109,8 +109,28 @@ TEST(Layouts, nerfCaptureHasIntrinsicsForEachFrame) {
                           {"h", 96},
                           {"transform_matrix", {{0, 1, 0, 0}, {-1, 0, 0, 1}, {0, 0, 1, 3}, {0, 0, 0, 1}}}});
     }
-    writeText(folder.path / "cap/transforms.json", json{{"frames", frames}}.dump());
-    expectMadeScan(folder.path / "cap", folder.path / "scan", 3, "NeRFCapture");
+    writeText(folder.path / "cap/transforms.json", json{{"depth_integer_scale", 1.0}, {"frames", frames}}.dump());
+    expectMadeScan(folder.path / "cap", folder.path / "scan", 3, "written by NeRFCapture, so its world is in metres");
+}
+
+TEST(Layouts, aForeignWorldIsOfUnknownScaleUnlessItStatesMetres) {
+    TemporaryFolder folder;
+    json manifest = {{"fl_x", 100.0}, {"frames", json::array()}};
+    for (int i = 0; i < 3; ++i) {
+        writeBytes(folder.path / formatText("zup/images/{}.png", i), pngOf(spotPicture(96, 128, kMadePixel)));
+        manifest["frames"].push_back({{"file_path", formatText("images/{}.png", i)},
+                                      {"transform_matrix", {{1, 0, 0, 0}, {0, 0, -1, -3}, {0, 1, 0, 1}, {0, 0, 0, 1}}}});
+    }
+    std::string summary;
+    writeText(folder.path / "zup/transforms.json", manifest.dump());
+    auto scan = importedScan(folder.path / "zup", folder.path / "scan", &summary);
+    ASSERT_TRUE(scan) << scan.error().message;
+    EXPECT_FALSE(scan->metricWorld);
+    EXPECT_TRUE(mentions(summary, {"cameras of unknown scale", "does not say that its world is in metres", "\"world_up\""}));
+    manifest["metric"] = true, manifest["world_up"] = "z";
+    writeText(folder.path / "zup/transforms.json", manifest.dump());
+    expectMadeScan(folder.path / "zup", folder.path / "scan2", 3, "cameras in metres");
+    EXPECT_TRUE(readScan(folder.path / "scan2")->metricWorld);
 }
 
 TEST(Layouts, nerfSyntheticTakesMasksFromAlphaAndSplitsFromFiles) {
