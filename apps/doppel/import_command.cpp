@@ -27,7 +27,7 @@ void addImportCommand(CLI::App& app, CommandRun& run) {
         ->capture_default_str();
     command
         ->add_option("--height", options->heightM,
-                     "Height of the subject in metres, without shoes; sets the scale where cameras have to be found")
+                     "Height of the subject in metres, without shoes; sets the scale where cameras are not in metres")
         ->check(inRange(0.3, 3.0));
     command->footer(
         "Examples:\n"

@@ -27,7 +27,7 @@ inline void addScanOptions(CLI::App& command, ReconstructOptions& options, const
         ->allow_extra_args(false);
     command
         .add_option("--height", options.heightM,
-                    "Height of the subject in metres, without shoes; sets the scale of a scan whose cameras have to be found")
+                    "Height of the subject in metres, without shoes; sets the scale of a scan whose cameras are not in metres")
         ->check(inRange(0.3, 2.8));
     command.add_option("--threads", options.threadCount, "CPU threads; 0: one for each core. The result is the same for any number")
         ->check(inRange(0, 256))

@@ -65,6 +65,7 @@ private:
     std::vector<double> swaySigmas() const;
     void addFrame(ceres::Problem& problem, size_t f);
     void addSmoothness(ceres::Problem& problem, const std::vector<size_t>& order, const std::function<bool(size_t)>& involves);
+    void addShapePriors(ceres::Problem& problem);
     void addStillPriors(ceres::Problem& problem);
     void freezeGlobals(ceres::Problem& problem);
     Status fitStill(double from, double to);

@@ -11,6 +11,7 @@
 #include "reconstruction/body/fit_silhouette.h"
 #include "reconstruction/body/keypoint_noise.h"
 #include "reconstruction/body/landmark_offsets.h"
+#include "reconstruction/body/stated_height.h"
 #include "reconstruction/body/swapped_sides.h"
 #include "reconstruction/priors.h"
 
@@ -109,9 +110,17 @@ void BodyFitter::addFrame(ceres::Problem& problem, size_t f) {
     s.fitted = true;
 }
 
+void BodyFitter::addShapePriors(ceres::Problem& problem) {
+    if (shape_.empty()) return;
+    problem.AddResidualBlock(new ShapePrior(body_.morphs), nullptr, shape_.data());
+    if (scan_.metricWorld || !(scan_.subjectHeightM > 0)) return;
+    if (ceres::CostFunction* height = makeStatedHeight(body_, scan_.subjectHeightM))
+        problem.AddResidualBlock(height, nullptr, shape_.data());
+}
+
 void BodyFitter::addStillPriors(ceres::Problem& problem) {
     problem.AddResidualBlock(new PosePriorCost(priors_, std::vector<double>(still_.pose.size(), 0.0)), nullptr, still_.pose.data());
-    if (!shape_.empty()) problem.AddResidualBlock(new ShapePrior(body_.morphs), nullptr, shape_.data());
+    addShapePriors(problem);
 }
 
 void BodyFitter::freezeGlobals(ceres::Problem& problem) {

@@ -79,7 +79,7 @@ Status BodyFitter::fitMoving(double from, double to) {
         ceres::Problem problem;
         for (size_t f : order) addFrame(problem, f);
         addSmoothness(problem, order, [](size_t) { return true; });
-        if (shapeFromMoving_ && !shape_.empty()) problem.AddResidualBlock(new ShapePrior(body_.morphs), nullptr, shape_.data());
+        if (shapeFromMoving_) addShapePriors(problem);
         if (!shapeFromMoving_)
             freezeGlobals(problem);
         else if (scan_.metricWorld)

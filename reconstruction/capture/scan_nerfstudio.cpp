@@ -117,8 +117,8 @@ Result<NerfWorld> readWorld(const JsonFields& fields, char upIfUnstated) {
         world.assumed = formatText("{} was written by NeRFCapture, so its world is in metres and y is up", fields.where());
     else if (!unitStated)
         world.assumed = formatText(
-            "{} does not say that its world is in metres: up and scale are taken as unknown, and the body fit finds them. If it is in "
-            "metres, add \"metric\": true and \"world_up\": \"y\" or \"z\"",
+            "{} does not say that its world is in metres: up and scale are taken as unknown, and the body fit finds them (--height sets "
+            "the scale). If it is in metres, add \"metric\": true and \"world_up\": \"y\" or \"z\"",
             fields.where());
     return world;
 }

@@ -19,7 +19,8 @@ Result<std::string> findCameras(const FindCamerasOptions& options, Progress& pro
     if (scan.camerasKnown) {
         DPL_TRY(scan, runCameraRepair(run, scan));
     } else {
-        DPL_TRY(scan, runCameras(run, scan, options.heightM));
+        if (options.heightM > 0) scan.subjectHeightM = options.heightM;
+        DPL_TRY(scan, runCameras(run, scan));
     }
     std::string summary = chain.records().empty()
                               ? std::string("the scan has cameras, and its keypoints agree with them\n")

@@ -33,7 +33,7 @@ struct ReconstructOptions {
     std::filesystem::path body;        // glTF body; empty: the built-in one
     std::filesystem::path models;      // ONNX networks for keypoints, labels and masks; empty: those that tools/models installed
     std::vector<std::string> persons;  // where the person is, "FRAME:X,Y" (parsePersonPoint()); empty: chosen by size and place
-    double heightM = 0;                // of the subject; sets the scale where cameras have to be found. 0: unknown
+    double heightM = 0;                // of the subject; sets the scale where cameras are not in metres. 0: unknown
     Preset preset = Preset::Standard;
     double timeBudgetMinutes = 0;  // of training; 0: the preset's number of steps
     uint32_t steps = 0;            // of training; 0: the preset's number; above 0: the time budget is ignored

@@ -41,11 +41,12 @@ Result<FittedBody> runBodyFit(const StageRun& run, const IngestedScan& ingested,
     nlohmann::json keypoints = nlohmann::json::array();
     for (size_t f = 0; f < ingested.hashes.size(); ++f)
         keypoints.push_back({ingested.scan.frames[f].name, int(ingested.scan.frames[f].split), ingested.hashes[f].keypoints});
-    const nlohmann::json inputs = {{"keypoints", keypoints},
-                                   {"keypoint_sigma", keypointSigma(ingested.scan)},
-                                   {"training", ingested.trainingHash},
-                                   {"body", chosen.hash},
-                                   {"settings", fieldsJson(settings)}};
+    nlohmann::json inputs = {{"keypoints", keypoints},
+                             {"keypoint_sigma", keypointSigma(ingested.scan)},
+                             {"training", ingested.trainingHash},
+                             {"body", chosen.hash},
+                             {"settings", fieldsJson(settings)}};
+    if (!ingested.scan.metricWorld && ingested.scan.subjectHeightM > 0) inputs["height"] = ingested.scan.subjectHeightM;
     DPL_TRY(const StageOutput stage, run.chain.run("body-fit", 11, inputs, [&](StageContext& context) -> Status {
         settings.progress = [&](double fraction, std::string_view what) {
             context.progress.update(fraction, what);

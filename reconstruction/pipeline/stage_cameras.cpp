@@ -110,8 +110,8 @@ Status solve(const Scan& scan, double heightM, StageContext& context) {
 
 }  // namespace
 
-Result<Scan> runCameras(const StageRun& run, const Scan& scan, double statedM) {
-    const double heightM = statedM > 0 ? statedM : scan.subjectHeightM;
+Result<Scan> runCameras(const StageRun& run, const Scan& scan) {
+    const double heightM = scan.subjectHeightM;
     const json inputs = {{"scan", scanInputs(scan, hashFrames(scan))}, {"focal", scan.focalGuessPx}, {"height", heightM}};
     const auto stage = run.chain.run("cameras", 2, inputs, [&](StageContext& context) { return solve(scan, heightM, context); });
     if (!stage) return refuse(run, {"cameras"}, stage.error());

@@ -79,6 +79,7 @@ Result<IngestedScan> runIngest(const StageRun& run, const std::filesystem::path&
     auto read = readScan(folder, ScanCameras::MayLack);
     if (!read) return refuse(run, {"ingest"}, read.error());
     ingested.scan = std::move(*read);
+    if (heightM > 0) ingested.scan.subjectHeightM = heightM;
     if (!ingested.scan.assumed.empty()) run.progress.note(ingested.scan.assumed);
     std::filesystem::path observations;
     const std::filesystem::path networks = !models.empty() ? models : lacksObservations(ingested.scan) ? installedModels() : models;
@@ -100,7 +101,7 @@ Result<IngestedScan> runIngest(const StageRun& run, const std::filesystem::path&
                            "(docs/formats/scan.md)",
                            folder.string()));
     if (!ingested.scan.camerasKnown) {
-        DPL_TRY(ingested.scan, runCameras(run, ingested.scan, heightM));
+        DPL_TRY(ingested.scan, runCameras(run, ingested.scan));
     } else {
         DPL_TRY(ingested.scan, runCameraRepair(run, ingested.scan));
     }

@@ -91,15 +91,15 @@ struct FoundPoses {
 };
 
 /** Finds the cameras of a scan that has none. Frames that get no camera are dropped. The verdict goes to run.progress; when it refuses, it
- *  is the error. heightM: of the subject, 0 when unknown. */
-Result<Scan> runCameras(const StageRun& run, const Scan& scan, double heightM);
+ *  is the error. */
+Result<Scan> runCameras(const StageRun& run, const Scan& scan);
 /** Checks the cameras that a scan brings, where its keypoints raise doubt, and repairs them where the pictures agree on others. */
 Result<Scan> runCameraRepair(const StageRun& run, const Scan& scan);
 /** Checks the masks of close-ups that lie in the folder `found`. Wrong ones are replaced by the hull of the full-body masks, or emptied. */
 Result<Scan> runCloseups(const StageRun& run, Scan scan, const std::filesystem::path& found);
 /** Reads and checks the scan. `models` is a folder of networks; if empty, installedModels() is taken where the scan lacks something.
  * `persons`: ReconstructOptions::persons. The networks first add keypoints, labels and masks that the scan lacks; then
- *  runCameras() finds its cameras, if it has none. */
+ *  runCameras() finds its cameras, if it has none. heightM: of the subject, in place of the scan's; 0: the scan's. */
 Result<IngestedScan> runIngest(const StageRun& run, const std::filesystem::path& scan, const std::filesystem::path& models,
                                const std::vector<std::string>& persons = {}, double heightM = 0);
 /** Reads the body from `file`, or takes the built-in one if `file` is empty. */

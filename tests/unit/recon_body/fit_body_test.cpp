@@ -181,6 +181,33 @@ TEST(FitBody, findsTheScaleOfAWorldWithoutOne) {
     EXPECT_NEAR(fit->metresPerUnit * 3.7, 1, 0.05);  // only the height prior separates tall and far from short and near: 1 σ is 4 %
 }
 
+TEST(FitBody, aStatedHeightSetsTheScaleWhereTheWorldHasNone) {
+    Made m = make(9, 3.7, /*movingFrames=*/0);
+    const auto restHeight = [&](const std::vector<double>& shape) {
+        const auto vertices = shapedBody(m.body, shape).mesh.restPositions;
+        const auto [low, high] =
+            std::minmax_element(vertices.begin(), vertices.end(), [](const Vec3f& a, const Vec3f& b) { return a.y < b.y; });
+        return double(high->y - low->y);
+    };
+    m.scan.subjectHeightM = restHeight(m.shape);
+    const auto fit = fitBody(m.body, m.scan, m.keypoints);
+    ASSERT_TRUE(fit) << fit.error().message;
+    EXPECT_NEAR(fit->metresPerUnit * 3.7, 1, 0.01);
+    EXPECT_NEAR(restHeight(fit->shape), m.scan.subjectHeightM, 0.01);
+
+    m.scan.subjectHeightM *= 1.1;
+    const auto taller = fitBody(m.body, m.scan, m.keypoints);
+    ASSERT_TRUE(taller) << taller.error().message;
+    EXPECT_NEAR(taller->metresPerUnit / fit->metresPerUnit, 1.1, 0.015);
+
+    m.scan.metricWorld = true;
+    for (ScanFrame& frame : m.scan.frames) frame.camera = metricCamera(frame.camera, 1 / 3.7);
+    const auto metric = fitBody(m.body, m.scan, m.keypoints);
+    ASSERT_TRUE(metric) << metric.error().message;
+    EXPECT_EQ(metric->metresPerUnit, 1);
+    EXPECT_NEAR(restHeight(metric->shape), m.scan.subjectHeightM / 1.1, 0.02) << "cameras in metres know better";
+}
+
 TEST(FitBody, estimatesTheNoiseOfTheDetector) {
     const double diagonalPx = std::hypot(378, 504), confidence = 0.9;
     for (const double noisePx : {1.0, 3.0}) {
