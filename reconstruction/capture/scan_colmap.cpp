@@ -8,12 +8,23 @@ namespace dpl {
 
 namespace fs = std::filesystem;
 
+namespace {
+
+/** Where the pictures of a project lie: in images, in input (as scripts around COLMAP have it), or in the project's folder itself. */
+fs::path picturesOf(const fs::path& root) {
+    std::error_code ignored;
+    for (const char* inside : {"images", "input"})
+        if (fs::is_directory(root / inside, ignored)) return root / inside;
+    return root;
+}
+
+}  // namespace
+
 fs::path colmapRoot(const fs::path& folder) {
     if (findColmapModel(folder).empty() && findColmapModel(folder / "0").empty()) return {};
-    std::error_code ignored;
     fs::path root = folder;
     for (int levels = 0; levels < 3; ++levels, root = root.parent_path())
-        if (fs::is_directory(root / "images", ignored) && !findColmapModel(root).empty()) return root;
+        if (picturesOf(root) != root && !findColmapModel(root).empty()) return root;
     return folder;
 }
 
@@ -26,12 +37,12 @@ Result<Scan> readColmapScan(const fs::path& root, const fs::path& model) {
     scan.metricWorld = false;
     scan.splitStated = false;
     std::error_code ignored;
-    const bool nested = fs::is_directory(root / "images", ignored);
+    const fs::path pictures = picturesOf(root);
     for (auto& image : images) {
         ScanFrame frame;
         frame.name = nameFromPath(image.name);
         const std::string where = formatText("{} image '{}'", model.string(), image.name.substr(0, 200));
-        DPL_TRY(frame.imagePath, fileInside(nested ? root / "images" : root, image.name, where));
+        DPL_TRY(frame.imagePath, fileInside(pictures, image.name, where));
         const fs::path stem = fs::path(image.name).replace_extension();
         for (const std::string& mask : {stem.string() + ".png", image.name + ".png"}) {
             if (!frame.maskPath.empty() || !fs::exists(root / "masks" / mask, ignored)) continue;

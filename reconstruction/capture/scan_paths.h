@@ -65,8 +65,8 @@ struct NerfstudioFiles {
 /** Frames and cameras of a manifest, before finishScan(). */
 Result<Scan> parseNerfstudio(const nlohmann::json& manifest, const std::filesystem::path& path, const NerfstudioFiles& files,
                              char up = 'y');
-/** The folder of a COLMAP model's pictures when `folder` is it, its sparse or its sparse/0; `folder` itself when no images/ is near; empty
- * when there is no model. */
+/** The folder of a COLMAP model's pictures when `folder` is it, its sparse or its sparse/0; `folder` itself when neither images/ nor input/
+ * is near; empty when there is no model. */
 std::filesystem::path colmapRoot(const std::filesystem::path& folder);
 Result<Scan> readColmapScan(const std::filesystem::path& root, const std::filesystem::path& model);
 

@@ -109,12 +109,6 @@ std::string summaryOf(const Capture& capture, const Scan& scan, const fs::path& 
 
 }  // namespace
 
-bool isReadableScan(const fs::path& path) {
-    const auto layout = recogniseCapture(path);
-    return layout &&
-           (layout->kind == CaptureKind::ScanFolder || layout->kind == CaptureKind::Nerfstudio || layout->kind == CaptureKind::Colmap);
-}
-
 Result<std::string> importCapture(const ImportOptions& options, const std::atomic<bool>* cancel, const ImportProgress& progress) {
     std::error_code error;
     fs::path out = fs::absolute(options.out, error).lexically_normal();
@@ -141,6 +135,7 @@ Result<std::string> importCapture(const ImportOptions& options, const std::atomi
     } else {
         DPL_TRY(const CaptureLayout layout, recogniseCapture(options.source));
         DPL_TRY(capture, readLayout(layout, options, work));
+        capture.notes.insert(capture.notes.begin(), layout.notes.begin(), layout.notes.end());
     }
     if (capture.pictures.empty()) return fail(Code::CorruptData, "the capture has no picture");
     thinOut(capture);

@@ -23,7 +23,4 @@ struct ImportOptions {
  * taken, what was left out, what to do next. */
 Result<std::string> importCapture(const ImportOptions& options, const std::atomic<bool>* cancel, const ImportProgress& progress);
 
-/** Whether readScan() takes `path` as it is, so that nothing needs to be imported. */
-bool isReadableScan(const std::filesystem::path& path);
-
 }  // namespace dpl

@@ -3,8 +3,10 @@
 
 #include <algorithm>
 #include <cctype>
+#include <optional>
 
 #include "reconstruction/capture/scan_paths.h"
+#include "reconstruction/import/folder_contents.h"
 #include "reconstruction/import/neuman.h"
 
 namespace dpl {
@@ -13,7 +15,6 @@ namespace fs = std::filesystem;
 
 namespace {
 
-constexpr size_t kMaxListed = 100000;
 constexpr size_t kFewestPhotos = 3;
 
 bool isFile(const fs::path& path) {
@@ -46,72 +47,113 @@ fs::path calibrationIn(const fs::path& folder) {
     return {};
 }
 
+/** How to unpack an archive: a sentence that ends in the commands. Empty: the file is no archive that we know. */
+std::string howToUnpack(const fs::path& file) {
+    const std::string name = lowerCase(file.filename().string());
+    const bool zip = name.ends_with(".zip");
+    if (!zip && !name.ends_with(".tar") && !name.ends_with(".tgz") && !name.ends_with(".tar.gz")) return {};
+    fs::path folder = file;
+    while (folder.has_extension()) folder.replace_extension();
+    if (zip) return formatText("unpack it and import the folder: unzip \"{}\" -d \"{}\"", file.string(), folder.string());
+    return formatText("unpack it and import the folder: mkdir \"{}\" && tar -xf \"{}\" -C \"{}\"", folder.string(), file.string(),
+                      folder.string());
+}
+
 /** What lies in a folder of no known layout, for the error. */
 std::string describeFolder(const fs::path& folder) {
-    const size_t pictures = picturesIn(folder).size(), videos = videosIn(folder).size();
-    const size_t heic = filesWith(folder, {".heic", ".heif"}).size();
-    if (heic > 0)
+    if (const auto heic = heicIn(folder); !heic.empty())
+        return formatText("it holds {} HEIC photos, which are not read; {}", heic.size(), howToConvertHeic(folder));
+    const size_t pictures = picturesIn(folder).size();
+    if (const auto others = otherPicturesIn(folder); !others.empty())
+        return formatText("it holds {} pictures like {}, and only JPEG and PNG are read; convert them to JPEG", others.size(),
+                          others.front().filename().string());
+    if (const auto videos = videosIn(folder); !videos.empty())
         return formatText(
-            "it holds {} HEIC photos, which are not read; export them as JPEG (on an iPhone: Settings, Camera, Formats, Most "
-            "Compatible) and run the same command on that folder",
-            heic);
-    if (videos > 0)
-        return formatText(
-            "it holds {} videos without a calibration; say what each one shows, for example 'doppel import --static {} -o scan'", videos,
-            videosIn(folder).front().string());
+            "it holds {} videos without a calibration; say what each one shows, for example 'doppel import --static {} -o scan'",
+            videos.size(), videos.front().string());
     if (pictures > 0) return formatText("it holds {} pictures, at least {} are needed", pictures, kFewestPhotos);
     for (const char* inside : {"images", "rgb", "input"})
         if (const size_t count = picturesIn(folder / inside).size())
-            return formatText("its folder {} holds {} pictures; 'doppel import {} -o scan' reads them as photos without cameras", inside,
-                              count, (folder / inside).string());
+            return formatText("its folder {} holds {} pictures, at least {} are needed", inside, count, kFewestPhotos);
+    for (const fs::path& file : filesWith(folder, {".zip", ".tar", ".tgz", ".gz"}))
+        if (const std::string how = howToUnpack(file); !how.empty())
+            return formatText("it holds the archive {}; {}", file.filename().string(), how);
     return "it holds neither pictures nor videos nor a file of cameras that we know; docs/formats/captures.md lists what is read";
 }
 
+std::string videoEndings() {
+    std::string text;
+    for (const VideoEnding& ending : kVideoEndings) text += (text.empty() ? "" : ", ") + std::string(ending.extension + 1);
+    return text;
+}
+
+Result<CaptureLayout> recogniseFile(const fs::path& path, const fs::path& given) {
+    const std::string name = lowerCase(path.filename().string());
+    if (name == "scan.json") return CaptureLayout{CaptureKind::ScanFolder, path.parent_path()};
+    if (name == "transforms.json") return CaptureLayout{CaptureKind::Nerfstudio, path.parent_path()};
+    if (name.starts_with("transforms_") && name.ends_with(".json")) return CaptureLayout{CaptureKind::NerfSynthetic, path.parent_path()};
+    if (name.ends_with(".r3d")) return CaptureLayout{CaptureKind::Record3dFile, path};
+    if (name.ends_with(".qca.txt") || name.ends_with(".toml"))
+        return CaptureLayout{CaptureKind::CalibratedVideos, path.parent_path(), path};
+    if (isVideo(path)) return CaptureLayout{CaptureKind::Video, path};
+    if (const std::string how = howToUnpack(path); !how.empty())
+        return fail(Code::Unsupported, "{} is an archive; {}", given.string(), how);
+    if (isPicture(path) || isHeic(path))
+        return fail(Code::Unsupported,
+                    "{} is one picture, and a scan needs at least {} from all around; give the folder that holds them: {}", given.string(),
+                    kFewestPhotos, path.parent_path().string());
+    return fail(Code::Unsupported,
+                "{} is not a capture that we know; give a folder, a video ({}), a Record3D file (.r3d) or a calibration (.qca.txt, .toml); "
+                "docs/formats/captures.md lists what is read",
+                given.string(), videoEndings());
+}
+
+std::optional<CaptureLayout> recogniseFolder(const fs::path& path) {
+    if (isFile(path / "scan.json")) return CaptureLayout{CaptureKind::ScanFolder, path};
+    if (const fs::path root = polycamRoot(path); !root.empty()) return CaptureLayout{CaptureKind::Polycam, root};
+    if (isFile(path / "transforms.json")) return CaptureLayout{CaptureKind::Nerfstudio, path};
+    if (isFile(path / "transforms_train.json")) return CaptureLayout{CaptureKind::NerfSynthetic, path};
+    if ((isFile(path / "metadata.json") || isFile(path / "metadata")) && (isFolder(path / "rgb") || isFolder(path / "rgbd")))
+        return CaptureLayout{CaptureKind::Record3dFolder, path};
+    if (isNeuman(path)) return CaptureLayout{CaptureKind::Neuman, path};
+    if (const fs::path root = colmapRoot(path); !root.empty()) return CaptureLayout{CaptureKind::Colmap, root};
+    const std::vector<fs::path> videos = videosIn(path);
+    if (const fs::path file = calibrationIn(path); !file.empty() && !videos.empty())
+        return CaptureLayout{CaptureKind::CalibratedVideos, path, file};
+    const size_t pictures = picturesIn(path).size();
+    if (pictures >= kFewestPhotos) return CaptureLayout{CaptureKind::Photos, path, {}, leftBesidePhotos(path)};
+    if (videos.size() != 1 || !heicIn(path).empty() || !otherPicturesIn(path).empty()) return std::nullopt;
+    CaptureLayout video{
+        CaptureKind::Video, videos.front(), {}, {"the only video of the folder is taken: " + videos.front().filename().string()}};
+    if (pictures > 0)
+        video.notes.push_back(
+            formatText("{} pictures beside it are left out; a scan of photos needs at least {}", pictures, kFewestPhotos));
+    return video;
+}
+
+/** The one capture in a folder of `path`. An error where there are several; nothing where there is none. */
+Result<std::optional<CaptureLayout>> recogniseBelow(const fs::path& path, const fs::path& given) {
+    constexpr size_t kMaxNamed = 5;
+    std::optional<CaptureLayout> first;
+    std::string names;
+    size_t count = 0;
+    for (const fs::path& folder : foldersIn(path)) {
+        auto found = recogniseFolder(folder);
+        if (!found) continue;
+        if (++count <= kMaxNamed)
+            names += formatText("{}{} ({})", count == 1 ? "" : ", ", folder.filename().string(), captureName(found->kind));
+        if (count > 1) continue;
+        first = std::move(found);
+        first->foundIn = folder;
+    }
+    if (count > 1)
+        return fail(Code::InvalidArgument, "{} holds {} captures: {}{}; name one of them, for example {}", given.string(), count, names,
+                    count > kMaxNamed ? ", ..." : "", first->foundIn.string());
+    if (first) first->notes.insert(first->notes.begin(), "the capture lies in " + first->foundIn.string());
+    return first;
+}
+
 }  // namespace
-
-bool naturallyBefore(std::string_view a, std::string_view b) {
-    const auto isDigit = [](char c) { return c >= '0' && c <= '9'; };
-    size_t i = 0, j = 0;
-    while (i < a.size() && j < b.size()) {
-        if (isDigit(a[i]) && isDigit(b[j])) {
-            while (i < a.size() && a[i] == '0') ++i;
-            while (j < b.size() && b[j] == '0') ++j;
-            size_t endA = i, endB = j;
-            while (endA < a.size() && isDigit(a[endA])) ++endA;
-            while (endB < b.size() && isDigit(b[endB])) ++endB;
-            if (endA - i != endB - j) return endA - i < endB - j;
-            if (const int order = a.substr(i, endA - i).compare(b.substr(j, endB - j)); order != 0) return order < 0;
-            i = endA, j = endB;
-            continue;
-        }
-        if (a[i] != b[j]) return a[i] < b[j];
-        ++i, ++j;
-    }
-    if (a.size() - i != b.size() - j) return a.size() - i < b.size() - j;
-    return a < b;  // "01" and "1"
-}
-
-std::vector<fs::path> filesWith(const fs::path& folder, std::initializer_list<const char*> extensions) {
-    std::vector<fs::path> files;
-    std::error_code error;
-    for (fs::directory_iterator at(folder, error), end; !error && at != end && files.size() < kMaxListed; at.increment(error)) {
-        const fs::path& path = at->path();
-        const std::string extension = lowerCase(path.extension().string());
-        const bool wanted = std::any_of(extensions.begin(), extensions.end(), [&](const char* e) { return extension == e; });
-        if (wanted && path.filename().string().front() != '.' && isFile(path)) files.push_back(path);
-    }
-    std::sort(files.begin(), files.end(),
-              [](const fs::path& a, const fs::path& b) { return naturallyBefore(a.filename().string(), b.filename().string()); });
-    return files;
-}
-
-std::vector<fs::path> picturesIn(const fs::path& folder) {
-    return filesWith(folder, {".jpg", ".jpeg", ".png"});
-}
-
-std::vector<fs::path> videosIn(const fs::path& folder) {
-    return filesWith(folder, {".mp4", ".mov", ".m4v", ".mkv", ".webm", ".avi"});
-}
 
 const char* captureName(CaptureKind kind) {
     switch (kind) {
@@ -141,38 +183,21 @@ const char* captureName(CaptureKind kind) {
     return "unknown";
 }
 
+bool isReadableScan(const CaptureLayout& layout) {
+    return layout.kind == CaptureKind::ScanFolder || layout.kind == CaptureKind::Nerfstudio || layout.kind == CaptureKind::Colmap;
+}
+
 Result<CaptureLayout> recogniseCapture(const fs::path& given) {
     std::error_code error;
     fs::path path = fs::absolute(given, error).lexically_normal();
     if (!path.has_filename()) path = path.parent_path();
-    if (isFile(path)) {
-        const std::string name = lowerCase(path.filename().string());
-        if (name == "scan.json") return CaptureLayout{CaptureKind::ScanFolder, path.parent_path(), {}};
-        if (name == "transforms.json") return CaptureLayout{CaptureKind::Nerfstudio, path.parent_path(), {}};
-        if (name.starts_with("transforms_") && name.ends_with(".json"))
-            return CaptureLayout{CaptureKind::NerfSynthetic, path.parent_path(), {}};
-        if (name.ends_with(".r3d")) return CaptureLayout{CaptureKind::Record3dFile, path, {}};
-        if (name.ends_with(".qca.txt") || name.ends_with(".toml"))
-            return CaptureLayout{CaptureKind::CalibratedVideos, path.parent_path(), path};
-        const auto videos = videosIn(path.parent_path());
-        if (std::find(videos.begin(), videos.end(), path) != videos.end()) return CaptureLayout{CaptureKind::Video, path, {}};
-        return fail(Code::Unsupported,
-                    "{} is not a capture that we know; give a folder, a video (mp4, mov, mkv, webm), a Record3D file (.r3d) or a "
-                    "calibration (.qca.txt, .toml); docs/formats/captures.md lists what is read",
-                    given.string());
-    }
+    if (isFile(path)) return recogniseFile(path, given);
     if (!isFolder(path)) return fail(Code::NotFound, "{}: no such file or folder", given.string());
-    if (isFile(path / "scan.json")) return CaptureLayout{CaptureKind::ScanFolder, path, {}};
-    if (const fs::path root = polycamRoot(path); !root.empty()) return CaptureLayout{CaptureKind::Polycam, root, {}};
-    if (isFile(path / "transforms.json")) return CaptureLayout{CaptureKind::Nerfstudio, path, {}};
-    if (isFile(path / "transforms_train.json")) return CaptureLayout{CaptureKind::NerfSynthetic, path, {}};
-    if ((isFile(path / "metadata.json") || isFile(path / "metadata")) && (isFolder(path / "rgb") || isFolder(path / "rgbd")))
-        return CaptureLayout{CaptureKind::Record3dFolder, path, {}};
-    if (isNeuman(path)) return CaptureLayout{CaptureKind::Neuman, path, {}};
-    if (const fs::path root = colmapRoot(path); !root.empty()) return CaptureLayout{CaptureKind::Colmap, root, {}};
-    if (const fs::path file = calibrationIn(path); !file.empty() && !videosIn(path).empty())
-        return CaptureLayout{CaptureKind::CalibratedVideos, path, file};
-    if (picturesIn(path).size() >= kFewestPhotos) return CaptureLayout{CaptureKind::Photos, path, {}};
+    if (auto layout = recogniseFolder(path)) return std::move(*layout);
+    if (picturesIn(path).empty() && videosIn(path).empty() && heicIn(path).empty() && otherPicturesIn(path).empty()) {
+        DPL_TRY(auto below, recogniseBelow(path, given));
+        if (below) return std::move(*below);
+    }
     return fail(Code::Unsupported, "{} has no layout that we know: {}", given.string(), describeFolder(path));
 }
 

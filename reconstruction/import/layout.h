@@ -26,24 +26,20 @@ enum class CaptureKind : uint8_t {
 
 struct CaptureLayout {
     CaptureKind kind = CaptureKind::Photos;
-    std::filesystem::path root;         // the folder of the capture, or the file
-    std::filesystem::path calibration;  // CalibratedVideos
+    std::filesystem::path root = {};         // the folder of the capture, or the file
+    std::filesystem::path calibration = {};  // CalibratedVideos
+    std::vector<std::string> notes = {};     // sentences about what was chosen and what is left out
+    std::filesystem::path foundIn = {};      // the folder of the given one in which the capture lies; empty: the given one is the capture
 };
 
 /** Name of a layout for people. */
 const char* captureName(CaptureKind kind);
 
-/** Recognises the layout at `path`. For an unknown one the error says what lies there and which command would help. */
+/** Whether readScan() takes it as it is, so that nothing needs to be imported. */
+bool isReadableScan(const CaptureLayout& layout);
+
+/** Recognises the layout at `path`, or in the only folder of `path` that has one. For an unknown one the error says what lies there and
+ * which command would help. */
 Result<CaptureLayout> recogniseCapture(const std::filesystem::path& path);
-
-/** Regular files of a folder whose extension is one of `extensions` (lower case, with dots; compared without case), in natural order of
- *  their names: "2.jpg" before "10.jpg". Hidden files are left out. Stops at 100,000 files. */
-std::vector<std::filesystem::path> filesWith(const std::filesystem::path& folder, std::initializer_list<const char*> extensions);
-
-/** Whether `a` comes before `b` when runs of digits count as numbers. */
-bool naturallyBefore(std::string_view a, std::string_view b);
-
-std::vector<std::filesystem::path> picturesIn(const std::filesystem::path& folder);
-std::vector<std::filesystem::path> videosIn(const std::filesystem::path& folder);
 
 }  // namespace dpl

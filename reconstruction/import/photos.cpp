@@ -5,7 +5,7 @@
 #include "reconstruction/capture/image_file.h"
 #include "reconstruction/capture/scan_paths.h"
 #include "reconstruction/import/exif.h"
-#include "reconstruction/import/layout.h"
+#include "reconstruction/import/folder_contents.h"
 #include "reconstruction/import/readers.h"
 
 namespace dpl {

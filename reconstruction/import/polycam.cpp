@@ -7,7 +7,7 @@
 
 #include "reconstruction/cameras/camera_convention.h"
 #include "reconstruction/capture/scan_paths.h"
-#include "reconstruction/import/layout.h"
+#include "reconstruction/import/folder_contents.h"
 #include "reconstruction/import/readers.h"
 
 namespace dpl {

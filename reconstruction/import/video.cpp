@@ -2,12 +2,14 @@
 #include "reconstruction/import/video.h"
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 #include <fstream>
 #include <nlohmann/json.hpp>
 
 #include "reconstruction/cameras/camera_check.h"
 #include "reconstruction/cameras/program.h"
+#include "reconstruction/import/folder_contents.h"
 #include "sdk/core/numbers.h"
 
 namespace dpl {
@@ -44,7 +46,21 @@ std::string reasonOf(const std::string& message) {
 
 /** Options that keep a hostile file from opening anything but itself: no network, no playlists. */
 std::vector<std::string> inputOptions(const fs::path& path) {
-    return {"-protocol_whitelist", "file", "-format_whitelist", "mov,matroska,avi", "-i", "file:" + fs::absolute(path).string()};
+    std::string formats;
+    for (const VideoEnding& ending : kVideoEndings) formats += (formats.empty() ? "" : ",") + std::string(ending.format);
+    return {"-protocol_whitelist", "file", "-format_whitelist", formats, "-i", "file:" + fs::absolute(path).string()};
+}
+
+/** Refuses files that show in their first bytes that they are no video: ffmpeg would call them cut off. */
+Status checkStart(const fs::path& path) {
+    char start[512];
+    std::ifstream in(path, std::ios::binary);
+    in.read(start, sizeof start);
+    const std::string_view text(start, size_t(in.gcount()));
+    if (text.empty()) return fail(Code::CorruptData, "{} is empty; copy it again from the phone", path.string());
+    if (std::all_of(text.begin(), text.end(), [](unsigned char c) { return c >= 0x20 || std::isspace(c); }))
+        return fail(Code::CorruptData, "{} is text, not a video; give the file that the phone recorded", path.string());
+    return {};
 }
 
 Status runFfmpeg(std::vector<std::string> arguments, const fs::path& video, const VideoWork& work, double timeoutS,
@@ -114,6 +130,7 @@ std::string toneMap() {
 Result<VideoInfo> probeVideo(const fs::path& path, const VideoWork& work) {
     std::error_code error;
     if (!fs::is_regular_file(path, error)) return fail(Code::NotFound, "{}: no such video", path.string());
+    DPL_CHECK_OK(checkStart(path));
     std::vector<std::string> arguments = {"ffprobe",      "-v",  "error", "-select_streams", "v:0", "-show_streams",
                                           "-show_format", "-of", "json"};
     const auto input = inputOptions(path);

@@ -6,6 +6,7 @@
 
 #include "reconstruction/capture/scan.h"
 #include "reconstruction/import/import.h"
+#include "reconstruction/import/layout.h"
 #include "sdk/core/files.h"
 
 namespace dpl {
@@ -76,7 +77,13 @@ Result<fs::path> scanToReconstruct(const ReconstructOptions& options, Progress& 
     import.source = options.scan;
     import.videos = options.videos;
     import.out = options.out / "scan";
-    if (!options.scan.empty() && isReadableScan(options.scan)) return options.scan;
+    if (!options.scan.empty()) {
+        DPL_TRY(const CaptureLayout layout, recogniseCapture(options.scan));
+        if (isReadableScan(layout)) {
+            for (const std::string& note : layout.notes) progress.note(note);
+            return layout.foundIn.empty() ? options.scan : layout.root;
+        }
+    }
     const fs::path keyFile = options.out / "scan.import.json";
     const std::string key = keyOf(import).dump();
     if (!options.scan.empty() && liesIn(options.scan, import.out))

@@ -6,6 +6,7 @@
 #include <thread>
 
 #include "reconstruction/cameras/program.h"
+#include "reconstruction/import/folder_contents.h"
 #include "reconstruction/import/import.h"
 #include "tests/unit/recon_import/made_captures.h"
 #include "tests/unit/shared_data.h"
@@ -177,11 +178,26 @@ TEST_F(VideoFiles, damageIsNamed) {
     };
     EXPECT_TRUE(mentions(refusal("cut.mp4", {bytes.begin(), bytes.begin() + ptrdiff_t(bytes.size() / 2)}),
                          {"cut.mp4", "cut off", "copy it again"}));
-    EXPECT_TRUE(mentions(refusal("text.mp4", {'h', 'e', 'l', 'l', 'o'}), {"text.mp4", "copy it again"}));
-    EXPECT_TRUE(mentions(refusal("empty.mp4", {}), {"empty.mp4"}));
+    EXPECT_TRUE(mentions(refusal("text.mp4", {'h', 'e', 'l', 'l', 'o', '\n'}), {"text.mp4", "is text, not a video"}));
+    EXPECT_TRUE(mentions(refusal("empty.mp4", {}), {"empty.mp4 is empty"}));
     const auto none = probeVideo(folder.path / "none.mp4", work);
     ASSERT_FALSE(none);
     EXPECT_EQ(none.error().code, Code::NotFound);
+}
+
+TEST_F(VideoFiles, everyEndingOfAVideoIsRead) {
+    for (const VideoEnding& ending : kVideoEndings) {
+        const std::string name = "walk" + std::string(ending.extension);
+        auto coding = h264();
+        if (name == "walk.webm") coding = {"-c:v", "libvpx-vp9", "-deadline", "realtime"};
+        const auto info = probeVideo(make(name, coding), work);
+        ASSERT_TRUE(info) << info.error().message;
+        const auto analysis = analyseVideo(*info, work);
+        ASSERT_TRUE(analysis) << analysis.error().message;
+        EXPECT_NEAR(double(analysis->frames.size()), 24, 1) << name;
+        EXPECT_NEAR(analysis->frames.back().timeS, 2, 0.15) << name;
+        EXPECT_NEAR(meanColour(frame(*info, *analysis, 5), 8, 80, 8, 100).r, 0xc0, 8) << name;
+    }
 }
 
 TEST_F(VideoFiles, aVideoThatEndsEarlyIsRefused) {
