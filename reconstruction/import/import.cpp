@@ -5,9 +5,11 @@
 #include <cmath>
 
 #include "reconstruction/capture/scan_check.h"
+#include "reconstruction/import/folder_lock.h"
 #include "reconstruction/import/layout.h"
 #include "reconstruction/import/readers.h"
 #include "reconstruction/import/write_scan.h"
+#include "sdk/core/files.h"
 
 namespace dpl {
 
@@ -113,18 +115,24 @@ Result<std::string> importCapture(const ImportOptions& options, const std::atomi
     std::error_code error;
     fs::path out = fs::absolute(options.out, error).lexically_normal();
     if (!out.has_filename()) out = out.parent_path();
-    DPL_CHECK_OK(checkOutput(out));
-    fs::path partial = out;
+    const fs::path target = endOfLinks(out);
+    fs::path partial = target;
     partial += ".partial";
     for (fs::directory_iterator at(partial, error), end; !error && at != end; at.increment(error))
-        if (at->path().filename() != "scan" && at->path().filename() != "work")
+        if (const fs::path name = at->path().filename(); name != "scan" && name != "work" && name != FolderLock::kName)
             return fail(Code::InvalidArgument,
                         "{} is not what an interrupted import leaves; move it away, or choose another output with -o", partial.string());
-    fs::remove_all(partial, error);
-    fs::create_directories(partial / "scan", error);
-    if (!error) fs::create_directories(partial / "work", error);
+    DPL_CHECK_OK(checkOutput(out));
+    fs::create_directories(partial, error);
     if (error) return fail(Code::Io, "cannot create {}: {}; choose another output with -o", partial.string(), error.message());
+    DPL_TRY([[maybe_unused]] const FolderLock lock, FolderLock::take(partial, out));
     const RemovedFolder removed{partial};
+    DPL_CHECK_OK(checkOutput(out));  // once more: another import may have ended since
+    for (const char* name : {"scan", "work"}) {
+        fs::remove_all(partial / name, error);
+        fs::create_directory(partial / name, error);
+        if (error) return fail(Code::Io, "cannot create {}: {}; choose another output with -o", (partial / name).string(), error.message());
+    }
 
     constexpr double kReading = 0.8;  // share of the time: videos are decoded twice before their frames are written
     VideoWork work{partial / "work", cancel, [&](double share) { return !progress || progress(kReading * share, "reading videos"); }};
@@ -144,8 +152,8 @@ Result<std::string> importCapture(const ImportOptions& options, const std::atomi
         return !progress || progress(kReading + (1 - kReading) * share, what);
     }));
     DPL_TRY(const Scan scan, readScan(partial / "scan", ScanCameras::MayLack));
-    if (fs::exists(out, error)) fs::remove(out, error);
-    fs::rename(partial / "scan", out, error);
+    if (fs::exists(target, error)) fs::remove(target, error);
+    fs::rename(partial / "scan", target, error);
     if (error) return fail(Code::Io, "cannot write {}: {}; choose another output with -o", out.string(), error.message());
     return summaryOf(capture, scan, out);
 }

@@ -19,8 +19,8 @@ struct ImportOptions {
 };
 
 /** Recognises the source, reads it and writes `out`, completely or not at all: files are written to OUT.partial, which is renamed at the
- * end and removed after an error. The result is read back as a check. Returns a few lines for the terminal: what was recognised, what was
- * taken, what was left out, what to do next. */
+ * end and removed after an error. A symbolic link is kept and its target is written. Io: another import writes `out` now. The result is
+ * read back as a check. Returns a few lines for the terminal: what was recognised, what was taken, what was left out, what to do next. */
 Result<std::string> importCapture(const ImportOptions& options, const std::atomic<bool>* cancel, const ImportProgress& progress);
 
 }  // namespace dpl

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "reconstruction/pipeline/find_cameras.h"
 
+#include "reconstruction/import/folder_lock.h"
 #include "reconstruction/pipeline/camera_errors.h"
-#include "reconstruction/pipeline/folder_lock.h"
 #include "reconstruction/pipeline/stages.h"
 
 namespace dpl {

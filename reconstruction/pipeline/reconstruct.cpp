@@ -3,7 +3,7 @@
 
 #include <functional>
 
-#include "reconstruction/pipeline/folder_lock.h"
+#include "reconstruction/import/folder_lock.h"
 #include "reconstruction/pipeline/import_scan.h"
 #include "reconstruction/pipeline/stages.h"
 #include "reconstruction/pipeline/verdict_file.h"

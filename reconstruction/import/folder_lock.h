@@ -8,12 +8,15 @@
 
 namespace dpl {
 
-/** Holds `folder` for one run, until the object or its process ends, however the process ends. The file run.lock in the folder stays; it
+/** Holds `folder` for one run, until the object or its process ends, however the process ends. The file kName in the folder stays; it
  *  says which process held it last and since when. Move-only. */
 class FolderLock {
 public:
-    /** The folder must exist. Errors: Io, when another run holds it with its start and process. */
-    static Result<FolderLock> take(const std::filesystem::path& folder);
+    static constexpr const char* kName = "run.lock";
+
+    /** The folder must exist. Errors: Io, when another run holds it with its start and process. `output` is the folder that errors name,
+     *  where it is another one; empty: `folder`. */
+    static Result<FolderLock> take(const std::filesystem::path& folder, const std::filesystem::path& output = {});
 
     FolderLock(FolderLock&& other) noexcept;
     FolderLock& operator=(FolderLock&&) = delete;

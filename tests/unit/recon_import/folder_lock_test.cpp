@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "reconstruction/pipeline/folder_lock.h"
+#include "reconstruction/import/folder_lock.h"
 
 #include <sys/wait.h>
 #include <unistd.h>
