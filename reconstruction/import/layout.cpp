@@ -153,6 +153,14 @@ Result<std::optional<CaptureLayout>> recogniseBelow(const fs::path& path, const 
     return first;
 }
 
+/** Adds the regular files below a folder. */
+void addBelow(const fs::path& folder, std::vector<fs::path>& files) {
+    constexpr size_t kMaxFiles = 100000;
+    std::error_code error;
+    for (fs::recursive_directory_iterator at(folder, error), end; !error && at != end && files.size() < kMaxFiles; at.increment(error))
+        if (isFile(at->path())) files.push_back(at->path());
+}
+
 }  // namespace
 
 const char* captureName(CaptureKind kind) {
@@ -185,6 +193,32 @@ const char* captureName(CaptureKind kind) {
 
 bool isReadableScan(const CaptureLayout& layout) {
     return layout.kind == CaptureKind::ScanFolder || layout.kind == CaptureKind::Nerfstudio || layout.kind == CaptureKind::Colmap;
+}
+
+std::vector<fs::path> filesOf(const CaptureLayout& layout) {
+    std::vector<fs::path> files;
+    switch (layout.kind) {
+        case CaptureKind::Video:
+        case CaptureKind::Record3dFile:
+            return {layout.root};
+        case CaptureKind::Photos:
+            return picturesIn(layout.root);
+        case CaptureKind::CalibratedVideos:
+            files = videosIn(layout.root);
+            files.push_back(layout.calibration);
+            return files;
+        case CaptureKind::Polycam:
+            addBelow(layout.root / "keyframes", files);
+            return files;
+        case CaptureKind::Record3dFolder:
+            for (const char* name : {"metadata.json", "metadata"})
+                if (isFile(layout.root / name)) files.push_back(layout.root / name);
+            for (const char* name : {"rgb", "rgbd"}) addBelow(layout.root / name, files);
+            return files;
+        default:
+            addBelow(layout.root, files);
+            return files;
+    }
 }
 
 Result<CaptureLayout> recogniseCapture(const fs::path& given) {

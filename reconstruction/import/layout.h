@@ -38,6 +38,9 @@ const char* captureName(CaptureKind kind);
 /** Whether readScan() takes it as it is, so that nothing needs to be imported. */
 bool isReadableScan(const CaptureLayout& layout);
 
+/** The files that an import of the layout reads, in no order, at most 100,000. Where its files name others, all that lie below. */
+std::vector<std::filesystem::path> filesOf(const CaptureLayout& layout);
+
 /** Recognises the layout at `path`, or in the only folder of `path` that has one. For an unknown one the error says what lies there and
  * which command would help. */
 Result<CaptureLayout> recogniseCapture(const std::filesystem::path& path);

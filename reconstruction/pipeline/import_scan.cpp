@@ -16,32 +16,25 @@ using nlohmann::json;
 
 namespace {
 
-constexpr size_t kMaxFiles = 100000;
-
-/** Path, size and time of every file of a source. Contents are not read: videos are large, and a change of them changes their time. */
-json stateOf(const fs::path& source) {
+/** Path, size and time of files. Contents are not read: videos are large, and a change of them changes their time. */
+json stateOf(const std::vector<fs::path>& paths) {
     json files = json::array();
-    std::error_code error;
-    const auto add = [&](const fs::path& path) {
+    for (const fs::path& path : paths) {
         std::error_code ignored;
         files.push_back({path.string(), fs::file_size(path, ignored), fs::last_write_time(path, ignored).time_since_epoch().count()});
-    };
-    // A calibration is one file, and its videos lie beside it.
-    const fs::path folder = fs::is_directory(source, error) ? source : fs::absolute(source, error).parent_path();
-    if (fs::is_regular_file(source, error)) add(source);
-    for (fs::recursive_directory_iterator at(folder, error), end; !error && at != end && files.size() < kMaxFiles; at.increment(error))
-        if (at->is_regular_file(error) && (folder == source || at.depth() == 0)) add(at->path());
+    }
     std::sort(files.begin(), files.end());
     return files;
 }
 
-json keyOf(const ImportOptions& options) {
+/** What the import of these files depends on. */
+std::string keyOf(const ImportOptions& options, const std::vector<fs::path>& source) {
     json key = {{"version", 1}, {"long_side", options.longSidePx}, {"height", options.heightM}};
-    if (!options.source.empty()) key["source"] = stateOf(options.source);
+    if (!options.source.empty()) key["source"] = stateOf(source);
     for (const auto& [name, list] :
          {std::pair{"static", &options.videos.still}, {"closeup", &options.videos.closeup}, {"motion", &options.videos.moving}})
-        for (const fs::path& path : *list) key[name].push_back(stateOf(path));
-    return key;
+        for (const fs::path& path : *list) key[name].push_back(stateOf({path}));
+    return key.dump();
 }
 
 /** Whether `path` is `folder` or lies in it. */
@@ -50,6 +43,18 @@ bool liesIn(const fs::path& path, const fs::path& folder) {
     const fs::path whole = fs::weakly_canonical(fs::absolute(path, error), error),
                    in = fs::weakly_canonical(fs::absolute(folder, error), error);
     return std::mismatch(in.begin(), in.end(), whole.begin(), whole.end()).first == in.end();
+}
+
+/** Refuses files that are missing, or that lie where the import would move them away. */
+Status checkFiles(const std::vector<fs::path>& files, const fs::path& scan) {
+    std::error_code error;
+    for (const fs::path& file : files) {
+        if (!fs::is_regular_file(file, error)) return fail(Code::NotFound, "{}: no such file", file.string());
+        if (liesIn(file, scan))
+            return fail(Code::InvalidArgument, "{} lies in {}, where the import writes its scan; move it, or choose another output with -o",
+                        file.string(), scan.string());
+    }
+    return {};
 }
 
 /** Makes room for an import at `scan`. An earlier import is renamed and kept, because people add masks to it. `ours`: there was one. */
@@ -77,17 +82,20 @@ Result<fs::path> scanToReconstruct(const ReconstructOptions& options, Progress& 
     import.source = options.scan;
     import.videos = options.videos;
     import.out = options.out / "scan";
+    std::vector<fs::path> files;
     if (!options.scan.empty()) {
         DPL_TRY(const CaptureLayout layout, recogniseCapture(options.scan));
         if (isReadableScan(layout)) {
             for (const std::string& note : layout.notes) progress.note(note);
             return layout.foundIn.empty() ? options.scan : layout.root;
         }
+        files = filesOf(layout);
     }
+    for (const auto* videos : {&import.videos.still, &import.videos.closeup, &import.videos.moving})
+        DPL_CHECK_OK(checkFiles(*videos, import.out));
+    DPL_CHECK_OK(checkFiles(files, import.out));
     const fs::path keyFile = options.out / "scan.import.json";
-    const std::string key = keyOf(import).dump();
-    if (!options.scan.empty() && liesIn(options.scan, import.out))
-        return fail(Code::InvalidArgument, "{} is where the import writes its scan; choose another output with -o", import.out.string());
+    const std::string key = keyOf(import, files);
     const auto before = readFile(keyFile, 64 << 20);
     if (before && std::string(before->begin(), before->end()) == key) {
         const auto scan = readScan(import.out, ScanCameras::MayLack);

@@ -3,6 +3,7 @@
 #include "reconstruction/import/folder_contents.h"
 #include "reconstruction/import/import.h"
 #include "reconstruction/import/layout.h"
+#include "tests/unit/must.h"
 #include "tests/unit/recon_import/made_captures.h"
 
 namespace dpl {
@@ -97,6 +98,14 @@ TEST_F(Recognise, theOnlyVideoOfAFolderIsTaken) {
     ASSERT_EQ(layout->notes.size(), 2u);
     EXPECT_TRUE(mentions(layout->notes[0], {"walk.mp4"}));
     EXPECT_TRUE(mentions(layout->notes[1], {"2 pictures beside it are left out"}));
+}
+
+TEST_F(Recognise, aVideoIsReadAloneAndPhotosWithoutWhatLiesBelow) {
+    for (const char* name : {"one/walk.mp4", "one/moves.mp4", "one/notes.txt"}) writeText(root_ / name, "x");
+    EXPECT_EQ(filesOf(must(recogniseCapture(root_ / "one/walk.mp4"))), std::vector{root_ / "one/walk.mp4"});
+    writePhotos(root_ / "photos");
+    writePhotos(root_ / "photos/faces");
+    EXPECT_EQ(filesOf(must(recogniseCapture(root_ / "photos"))).size(), 3u);
 }
 
 TEST_F(Recognise, theOnlyCaptureInAFolderIsTakenAndNamed) {

@@ -53,6 +53,51 @@ TEST_F(ImportScans, aCaptureAtThePlaceOfItsOwnImportIsKept) {
     EXPECT_TRUE(fs::exists(scan_ / "2.jpg"));
 }
 
+TEST_F(ImportScans, whatLiesBesideTheFilesThatAreReadDoesNotMatter) {
+    ASSERT_TRUE(import(photos_));
+    const auto written = fs::last_write_time(scan_ / "scan.json");
+    writeBytes(photos_ / "notes.txt", {1, 2, 3});
+    writeBytes(photos_ / "deeper/4.jpg", {1, 2, 3});
+    ASSERT_TRUE(import(photos_));
+    EXPECT_EQ(fs::last_write_time(scan_ / "scan.json"), written);
+    EXPECT_FALSE(fs::exists(out_ / "scan.replaced"));
+}
+
+TEST_F(ImportScans, videosWhereTheImportWritesAreRefusedAndStay) {
+    ASSERT_TRUE(import(photos_));
+    const fs::path walk = scan_ / "walk.mp4";
+    writeBytes(walk, {1, 2, 3});
+    ReconstructOptions options;
+    options.out = out_;
+    options.videos.still = {walk};
+    Progress progress(Progress::Style::Quiet);
+    const auto refused = scanToReconstruct(options, progress);
+    ASSERT_FALSE(refused);
+    EXPECT_NE(refused.error().message.find("walk.mp4 lies in"), std::string::npos) << refused.error().message;
+    EXPECT_TRUE(fs::exists(walk));
+    EXPECT_FALSE(fs::exists(out_ / "scan.replaced"));
+}
+
+TEST_F(ImportScans, aMissingVideoMovesNothing) {
+    ASSERT_TRUE(import(photos_));
+    ReconstructOptions options;
+    options.out = out_;
+    options.videos.still = {photos_ / "none.mp4"};
+    Progress progress(Progress::Style::Quiet);
+    const auto refused = scanToReconstruct(options, progress);
+    ASSERT_FALSE(refused);
+    EXPECT_EQ(refused.error().code, Code::NotFound);
+    EXPECT_TRUE(fs::exists(scan_ / "scan.json"));
+    EXPECT_FALSE(fs::exists(out_ / "scan.replaced"));
+}
+
+TEST_F(ImportScans, aScanOneFolderDeeperIsTakenAsItIs) {
+    ASSERT_TRUE(import(photos_));
+    const auto found = import(out_);
+    ASSERT_TRUE(found) << found.error().message;
+    EXPECT_EQ(*found, scan_);
+}
+
 TEST_F(ImportScans, masksThatWereAddedOutliveAnImportOfMorePhotos) {
     ASSERT_TRUE(import(photos_));
     writeBytes(scan_ / "masks/0.png", {1, 2, 3});
