@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // doppel completion: prints a script that lets bash or zsh complete doppel's commands, options and values.
+#include <algorithm>
 #include <cstdio>
 
 #include "apps/doppel/command_tree.h"
@@ -58,7 +59,10 @@ std::string bashOf(const CommandEntry& root) {
         const bool commandsFirst = !c->commands.empty();
         text += std::string("        if [[ $cur == -* ") + (commandsFirst ? "|| -z $cur || $cur != */* " : "") + "]]; then\n" +
                 "            mapfile -t COMPREPLY < <(compgen -W " + quoted(joined(words, " ")) + " -- \"$cur\")\n";
-        if (!commandsFirst) text += "        else\n            mapfile -t COMPREPLY < <(compgen -f -- \"$cur\")\n";
+        const auto argument = std::find_if(c->options.begin(), c->options.end(), [](const CommandOption& o) { return o.positional; });
+        if (!commandsFirst && argument != c->options.end())
+            text += "        else\n            mapfile -t COMPREPLY < <(compgen " +
+                    (argument->choices.empty() ? "-f" : "-W " + quoted(joined(argument->choices, " "))) + " -- \"$cur\")\n";
         text += "        fi ;;\n";
     }
     return text + "    esac\n}\ncomplete -o filenames -F _doppel doppel\n";

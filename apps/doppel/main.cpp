@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
+#include <string_view>
 
 #include "apps/doppel/commands.h"
 #include "apps/doppel/interruption.h"
@@ -18,19 +20,19 @@ int reportError(const Error& error) {
 
 namespace {
 
+/** How errors are told when the arguments cannot be parsed, a command throws, or Ctrl-C ends it: a program that asked for JSON parses
+ * standard output. */
+Talk talkOf(int argc, char** argv) {
+    Talk talk;
+    talk.json = std::any_of(argv + 1, argv + argc, [](std::string_view word) { return word == "--json"; });
+    return talk;
+}
+
 /** The command as typed so far: "doppel body import". */
 std::string commandLine(const CLI::App& app) {
     std::string text = app.get_name();
     for (const CLI::App* command : app.get_subcommands()) text += " " + commandLine(*command);
     return text;
-}
-
-/** Says that Ctrl-C ended the command, as JSON too if it was to print JSON. */
-int reportStopped(const CLI::App& app) {
-    Talk talk;
-    for (const CLI::App* command : app.get_subcommands())
-        if (const CLI::Option* json = command->get_option_no_throw("--json")) talk.json = json->count() > 0;
-    return talk.fail(Error{Code::Cancelled, "stopped"});
 }
 
 /** Flushes the tables or JSON on standard output. Reports an error if they could not be written (full disk, closed pipe). */
@@ -77,21 +79,22 @@ int main(int argc, char** argv) {
         std::fputs(app.help().c_str(), stderr);
         return kExitUsage;
     }
+    const Talk talk = talkOf(argc, argv);
     if (const std::string unknown = unknownCommand(app, argc, argv); !unknown.empty())
-        return reportError(fail(Code::InvalidArgument, "{}. See doppel --help", unknown));
+        return talk.fail(fail(Code::InvalidArgument, "{}. See doppel --help", unknown));
     try {
         app.parse(argc, argv);
     } catch (const CLI::ParseError& error) {
         if (error.get_exit_code() == 0) return flushOutput(app.exit(error));  // --help and --version
-        return reportError(fail(Code::InvalidArgument, "{}. See {} --help", error.what(), commandLine(app)));
+        return talk.fail(fail(Code::InvalidArgument, "{}. See {} --help", error.what(), commandLine(app)));
     }
     installSignalHandlers();
     silenceSolverLog();
     try {
-        return flushOutput(endedSoonAfterInterrupt(run, [&app] { return reportStopped(app); }));
+        return flushOutput(endedSoonAfterInterrupt(run, [&talk] { return talk.fail(Error{Code::Cancelled, "stopped"}); }));
     } catch (const std::bad_alloc&) {
-        return reportError(fail(Code::OutOfMemory, "out of memory; close other programs or use a smaller preset"));
+        return talk.fail(fail(Code::OutOfMemory, "out of memory; close other programs or use a smaller preset"));
     } catch (const std::exception& error) {  // a reconstruction stage may throw
-        return reportError(fail(Code::Internal, "{}", error.what()));
+        return talk.fail(fail(Code::Internal, "{}", error.what()));
     }
 }

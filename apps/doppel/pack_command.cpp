@@ -44,6 +44,7 @@ Result<PackResult> pack(const PackOptions& options, const Talk& talk) {
     DPL_TRY(PackResult packed, packFile(options.avatar, limits, {.seed = options.seed, .pictures = options.pictures}, jobs,
                                         [&](double share, const std::string& line) -> Status {
                                             progress.update(share, line);
+                                            progress.detail(line);
                                             return progress.cancelled() ? Status(fail(Code::Cancelled, "stopped; nothing was written"))
                                                                         : Status();
                                         }));

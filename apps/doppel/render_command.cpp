@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // doppel render: draws stills, turntables, clips and stereo pairs of an avatar, or every frame of a scan from the scan's own cameras.
+#include <chrono>
 #include <cmath>
 #include <cstdio>
 #include <numbers>
@@ -19,6 +20,11 @@ namespace dpl {
 namespace {
 
 namespace fs = std::filesystem;
+using Clock = std::chrono::steady_clock;
+
+size_t millisecondsSince(Clock::time_point start) {
+    return size_t(std::chrono::duration_cast<std::chrono::milliseconds>(Clock::now() - start).count());
+}
 
 struct RenderOptions {
     fs::path avatar, out, scan, poses;
@@ -218,17 +224,24 @@ Result<nlohmann::json> renderAll(const RenderOptions& options, const Talk& talk)
     DPL_TRY(auto context, makeContext(options));
     Company company;
     for (const fs::path& file : files) {
+        const auto start = Clock::now();
         DPL_TRY(auto bytes, readAvatarBytes(file));
         auto avatar = context.loadAvatar(bytes);
         if (!avatar) return fail(fromSdk(avatar.error()).code, "{}: {}", file.string(), avatar.error().message);
         auto info = avatar->info();
         if (!info) return fromSdk(info.error());
         if (info->jointCount == 0) DPL_CHECK_OK(checkStill(options, file));
+        progress.detail(formatText("{}: {} bytes, {} splats of {}, loaded in {} ms", file.string(), bytes.size(), info->splatCount,
+                                   info->fileSplatCount, millisecondsSince(start)));
         company.avatars.push_back(std::move(*avatar));
     }
     progress.note("drawing with " + context.rendererName());
+    const auto start = Clock::now();
     DPL_TRY(const size_t frames, options.scan.empty() ? renderShots(options, context, company, progress)
                                                       : renderScan(options, context, company.avatars[0], progress));
+    if (const auto stats = company.avatars[0].frameStats())
+        progress.detail(formatText("{} ms a frame with writing it, {} splats drawn in the last one, {} MiB held by the renderer",
+                                   millisecondsSince(start) / std::max<size_t>(1, frames), stats->splatsDrawn, stats->residentBytes >> 20));
     return nlohmann::json{{"out", options.out.string()}, {"frames", frames}, {"renderer", context.rendererName()}};
 }
 

@@ -61,7 +61,8 @@ int Talk::fail(const Error& error) const {
 std::shared_ptr<Talk> addTalkOptions(CLI::App& command) {
     auto talk = std::make_shared<Talk>();
     CLI::Option* quiet = command.add_flag("--quiet", talk->quiet, "Print errors only");
-    command.add_flag("--verbose", talk->verbose, "Say more on standard error: why each step runs, its time and memory")->excludes(quiet);
+    command.add_flag("--verbose", talk->verbose, "Say more on standard error: each step and why it runs, its time and memory")
+        ->excludes(quiet);
     command.add_flag("--json", talk->json, "Print the result as one line of JSON on standard output; progress stays on standard error");
     return talk;
 }

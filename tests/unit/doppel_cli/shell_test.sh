@@ -27,6 +27,8 @@ is "options of a command's command" "$(completions doppel body import --o)" "--o
 is "values" "$(completions doppel reconstruct --preset d)" "draft"
 is "every value" "$(completions doppel render --renderer "" | wc -w)" 3
 is "files" "$(completions doppel render scan- | tr ' ' '\n' | sort | paste -sd ' ')" "scan-a.mp4 scan-b.mp4"
+is "values of an argument" "$(completions doppel completion "")" "bash zsh"
+is "a command without arguments takes no file" "$(completions doppel manual scan-)" ""
 is "nothing for a number" "$(completions doppel reconstruct --steps "")" ""
 
 "$doppel" completion zsh >_doppel
@@ -54,5 +56,13 @@ is "pack --json" "$("$doppel" pack avatar.glb -o small.glb --pictures 2 --json 2
     python3 -c 'import json, os, sys; d = json.load(sys.stdin); print(d["bytes"] == os.path.getsize(d["file"]) == d["curve"][-1]["bytes"])')" "True"
 is "errors as JSON" "$("$doppel" render nowhere.glb -o a.png --json 2>/dev/null |
     python3 -c 'import json, sys; e = json.load(sys.stdin)["error"]; print(e["code"], "nowhere.glb" in e["message"])')" "not-found True"
+error_of() { python3 -c 'import json, sys; e = json.load(sys.stdin)["error"]; print(e["code"], sys.argv[1] in e["message"])' "$1"; }
+is "wrong arguments as JSON" "$("$doppel" render avatar.glb -o a.gif --json 2>/dev/null | error_of a.gif)" "invalid-argument True"
+is "an unknown option as JSON" "$("$doppel" reconstruct scan -o out --json --presett draft 2>/dev/null | error_of --presett)" "invalid-argument True"
+is "an unknown command as JSON" "$("$doppel" rendr --json 2>/dev/null | error_of rendr)" "invalid-argument True"
+is "wrong arguments without --json leave standard output empty" "$("$doppel" render avatar.glb -o a.gif 2>/dev/null)" ""
+verbose() { "$doppel" "$@" --verbose 2>&1 >/dev/null; }
+is "render --verbose" "$(verbose render avatar.glb -o a.png --size 32x32 --renderer software | grep -cE 'splats of|ms a frame')" 2
+is "pack --verbose" "$(verbose pack avatar.glb -o small.glb --pictures 2 | grep -c trying | awk "{print (\$1 > 2)}")" 1
 is "--quiet" "$("$doppel" render avatar.glb -o a.png --size 32x32 --renderer software --quiet 2>&1)" ""
 [ $failures -eq 0 ] || { echo "$failures failed" >&2; exit 1; }
