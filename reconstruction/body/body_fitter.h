@@ -33,7 +33,8 @@ public:
           keypoints_(keypoints),
           settings_(settings),
           priors_(posePriors(body)),
-          chain_(body, scan.keypointNames, jointsOf(priors_)) {
+          chain_(body, scan.keypointNames, jointsOf(priors_)),
+          metric_(scan.metricWorld) {
         context_.chain = &chain_;
         for (size_t k = 0; scan.keypointsFound && k < chain_.keypointCount(); ++k)
             chain_.setOffset(k, foundLandmarkOffset(scan.keypointNames[k]));
@@ -92,6 +93,7 @@ private:
     KeypointChain chain_;
     FitContext context_;
     std::vector<double> shape_;
+    bool metric_;  // lengths of the scan's world are metres: it says so, or the person's size does
     double logUnit_ = 0;
     std::optional<KeypointNoise> detectorNoise_;
     FrameState still_;

@@ -113,7 +113,7 @@ void BodyFitter::addFrame(ceres::Problem& problem, size_t f) {
 void BodyFitter::addShapePriors(ceres::Problem& problem) {
     if (shape_.empty()) return;
     problem.AddResidualBlock(new ShapePrior(body_.morphs), nullptr, shape_.data());
-    if (scan_.metricWorld || !(scan_.subjectHeightM > 0)) return;
+    if (metric_ || !(scan_.subjectHeightM > 0)) return;
     if (ceres::CostFunction* height = makeStatedHeight(body_, scan_.subjectHeightM))
         problem.AddResidualBlock(height, nullptr, shape_.data());
 }
@@ -137,8 +137,13 @@ Status BodyFitter::start() {
         chosen.insert(chosen.end(), moving.begin(), moving.end());
     }
     for (size_t f : chosen) views.push_back({scan_.frames[f].camera, &keypoints_[f]});
-    DPL_TRY(FitStart start, startFromPoints(body_, chain_, scan_.keypointNames, triangulateKeypoints(views, scan_.keypointNames.size()),
-                                            scan_.metricWorld));
+    const auto points = triangulateKeypoints(views, scan_.keypointNames.size());
+    DPL_TRY(FitStart start, startFromPoints(body_, chain_, scan_.keypointNames, points, metric_));
+    const bool guessed = !scan_.unitStated && !(scan_.subjectHeightM > 0);
+    if (guessed && std::abs(std::log(start.metresPerUnit)) < std::log(priors::kHumanSize)) {
+        metric_ = true;
+        DPL_TRY(start, startFromPoints(body_, chain_, scan_.keypointNames, points, metric_));
+    }
     logUnit_ = std::log(start.metresPerUnit);
     still_.rootReference = start.rootReference;
     std::copy(start.root, start.root + kRootSize, still_.root);
@@ -159,7 +164,7 @@ Status BodyFitter::fitStill(double from, double to) {
         ceres::Problem problem;
         for (size_t f : frames) addFrame(problem, f);
         addStillPriors(problem);
-        if (scan_.metricWorld || round < 2) problem.SetParameterBlockConstant(&logUnit_);
+        if (metric_ || round < 2) problem.SetParameterBlockConstant(&logUnit_);
         if (round < 2 && !shape_.empty()) problem.SetParameterBlockConstant(shape_.data());
         if (round == 0) problem.SetParameterBlockConstant(still_.pose.data());
         if (round < 2)
@@ -248,7 +253,7 @@ Status BodyFitter::refineShape(double from, double to) {
         ceres::Problem problem;
         for (size_t f : frames) addFrame(problem, f);
         addStillPriors(problem);
-        if (scan_.metricWorld) problem.SetParameterBlockConstant(&logUnit_);
+        if (metric_) problem.SetParameterBlockConstant(&logUnit_);
         for (size_t i = 0; i < masked.size(); ++i) {
             const ScanFrame& frame = scan_.frames[masked[i]];
             const FrameState s = effective(masked[i]);

@@ -82,7 +82,7 @@ Status BodyFitter::fitMoving(double from, double to) {
         if (shapeFromMoving_) addShapePriors(problem);
         if (!shapeFromMoving_)
             freezeGlobals(problem);
-        else if (scan_.metricWorld)
+        else if (metric_)
             problem.SetParameterBlockConstant(&logUnit_);
         done += part;
         return solve(problem, what, maxSteps, done - part, done);

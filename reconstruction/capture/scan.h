@@ -49,6 +49,7 @@ struct Scan {
     bool camerasKnown = true;   // false: frames have only a picture size; reconstruction/cameras/solve_cameras.h finds the rest
     double focalGuessPx = 0;    // where cameras are not known: a guess, from EXIF for example; 0: none
     bool metricWorld = true;    // false (COLMAP): arbitrary scale, origin and up; the body fit finds them
+    bool unitStated = true;     // false: metricWorld is false only because the file says nothing; the body fit judges by the person's size
     std::string assumed;        // a sentence about the world that the file does not state; empty: it states all
     bool splitStated = true;    // false: the reader chose every tenth static full-body frame for test
     std::string protocol;       // "neuman": scores are also given by that published protocol (docs/reference/neuman.md); empty: none

@@ -187,7 +187,12 @@ Result<Scan> readScanFolder(const fs::path& manifestPath) {
     if (frames->size() > kMaxFrames)
         return fail(Code::Unsupported, "{}: {} frames, at most {} are read; remove some frames from the scan", manifestPath.string(),
                     frames->size(), kMaxFrames);
-    DPL_TRY(scan.metricWorld, fields.boolean("metric", true));
+    scan.unitStated = !manifest.contains("metric") || !manifest["metric"].is_null();
+    if (scan.unitStated) {
+        DPL_TRY(scan.metricWorld, fields.boolean("metric", true));
+    } else {
+        scan.metricWorld = false;
+    }
     DPL_TRY(scan.protocol, fields.text("protocol", ""));
     if (!scan.protocol.empty() && scan.protocol != "neuman")
         return fail(Code::Unsupported, "{}: protocol '{}' is not 'neuman'; remove the field", manifestPath.string(),
@@ -201,7 +206,7 @@ Result<Scan> readScanFolder(const fs::path& manifestPath) {
         std::any_of(frames->begin(), frames->end(), [](const json& frame) { return frame.is_object() && frame.contains("camera"); });
     if (!scan.camerasKnown) {
         DPL_TRY(scan.focalGuessPx, readFocalGuess(fields, common));
-        scan.metricWorld = false;
+        scan.metricWorld = false, scan.unitStated = true;
     }
     for (size_t i = 0; i < frames->size(); ++i) {
         DPL_TRY(auto frame, readFrame((*frames)[i], shared, formatText("{} frame {}", manifestPath.string(), i), scan.splitStated));

@@ -96,12 +96,12 @@ Result<std::map<std::string, Split>> readSplits(const JsonFields& fields) {
 
 /** What is known of the world. */
 struct NerfWorld {
-    bool zUp = false, metric = false;
+    bool zUp = false, metric = false, unitStated = true;
     std::string assumed;
 };
 
 Result<NerfWorld> readWorld(const JsonFields& fields, char upIfUnstated) {
-    const bool upStated = fields.has("world_up"), unitStated = fields.has("metric");
+    const bool upStated = fields.has("world_up"), metricStated = fields.has("metric");
     DPL_TRY(const std::string up, fields.text("world_up", std::string(1, upIfUnstated)));
     if (up != "y" && up != "z")
         return fail(Code::Unsupported, "{}: world_up '{}' is neither y nor z; turn the world", fields.where(), up.substr(0, 60));
@@ -113,13 +113,15 @@ Result<NerfWorld> readWorld(const JsonFields& fields, char upIfUnstated) {
     if (world.metric && !upStated && !nerfCapture)
         return fail(Code::CorruptData, "{}: 'metric' is true, but the file does not say which way is up; add \"world_up\": \"y\" or \"z\"",
                     fields.where());
-    if (nerfCapture && !unitStated)
+    // Programs that scaled the world say by what, so it is not in metres.
+    world.unitStated = metricStated || nerfCapture || fields.has("applied_transform") || fields.has("applied_scale");
+    if (nerfCapture && !metricStated)
         world.assumed = formatText("{} was written by NeRFCapture, so its world is in metres and y is up", fields.where());
-    else if (!unitStated)
+    else if (!metricStated)
         world.assumed = formatText(
-            "{} does not say that its world is in metres: up and scale are taken as unknown, and the body fit finds them (--height sets "
-            "the scale). If it is in metres, add \"metric\": true and \"world_up\": \"y\" or \"z\"",
-            fields.where());
+            "{} does not say that its world is in metres: the body fit finds up and scale{}. If it is in metres, add \"metric\": true and "
+            "\"world_up\": \"y\" or \"z\"; if not, --height sets the scale",
+            fields.where(), world.unitStated ? "" : ", and takes it for metres if the person in it is then of a human size");
     return world;
 }
 
@@ -145,6 +147,7 @@ Result<Scan> parseNerfstudio(const json& manifest, const fs::path& manifestPath,
     scan.root = manifestPath.parent_path();
     scan.name = scan.root.filename().string();
     scan.metricWorld = world.metric;
+    scan.unitStated = world.unitStated;
     scan.assumed = std::move(world.assumed);
     DPL_TRY(auto splits, readSplits(fields));
     scan.splitStated = !splits.empty();

@@ -31,6 +31,7 @@ struct CapturePicture {
 struct Capture {
     std::string what;         // for people: "Polycam raw data"
     bool metricWorld = true;  // false: scale, origin and up are arbitrary
+    bool unitStated = true;   // as in Scan
     bool splitStated = false;
     std::string protocol;                    // of a published evaluation, kept in the scan; empty: none
     std::vector<std::string> keypointNames;  // empty: the capture has no keypoints

@@ -44,7 +44,7 @@ Result<Capture> readKnownScan(const fs::path& root) {
     DPL_TRY(const Scan scan, readScan(root));
     Capture capture;
     capture.what = scan.source == ScanSource::Colmap ? "COLMAP model" : "nerfstudio or NeRFCapture folder";
-    capture.metricWorld = scan.metricWorld;
+    capture.metricWorld = scan.metricWorld, capture.unitStated = scan.unitStated;
     capture.splitStated = scan.splitStated;
     if (!scan.assumed.empty()) capture.notes.push_back(scan.assumed);
     for (const ScanFrame& frame : scan.frames) capture.pictures.push_back(pictureOf(frame));
@@ -60,7 +60,7 @@ Result<Capture> readNerfSynthetic(const fs::path& root) {
         if (split == Split::Test && !fs::exists(root / name, ignored)) continue;
         DPL_TRY(const Scan part, readNerfstudio(root / name, 'z'));
         if (split == Split::Train && !part.assumed.empty()) capture.notes.push_back(part.assumed);
-        capture.metricWorld &= part.metricWorld;
+        capture.metricWorld &= part.metricWorld, capture.unitStated &= part.unitStated;
         for (const ScanFrame& frame : part.frames) {
             CapturePicture picture = pictureOf(frame);
             picture.split = split;

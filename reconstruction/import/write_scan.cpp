@@ -230,7 +230,7 @@ Status writeScan(Capture& capture, const std::string& name, double heightM, cons
     json manifest = {{"format", "avatar-scan"},   {"version", 1},      {"name", name},
                      {"source", capture.what},    {"units", "metres"}, {"image_size", {shared.first, shared.second}},
                      {"camera_model", "pinhole"}, {"frames", frames}};
-    if (known && !capture.metricWorld) manifest["metric"] = false, manifest["units"] = "arbitrary";
+    if (known && !capture.metricWorld) manifest["metric"] = capture.unitStated ? json(false) : json(), manifest["units"] = "arbitrary";
     if (!known && capture.focalGuessPx > 0) manifest["focal_px"] = capture.focalGuessPx;
     if (!capture.protocol.empty()) manifest["protocol"] = capture.protocol;
     if (!capture.keypointNames.empty()) manifest["keypoint_names"] = capture.keypointNames;

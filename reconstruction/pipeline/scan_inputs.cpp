@@ -50,7 +50,8 @@ json frameInputs(const ScanFrame& frame, const FrameHashes& files) {
 json commonInputs(const Scan& scan) {
     json labels = json::array();
     for (const ScanLabel& label : scan.labels) labels.push_back({label.name, label.value});
-    return {{"metric", scan.metricWorld}, {"keypoint_names", scan.keypointNames}, {"labels", labels}};
+    const json metric = scan.unitStated ? json(scan.metricWorld) : json();
+    return {{"metric", metric}, {"keypoint_names", scan.keypointNames}, {"labels", labels}};
 }
 
 json scanInputs(const Scan& scan, const std::vector<FrameHashes>& hashes) {

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <cmath>
+
 #include "reconstruction/body/body_io.h"
 #include "reconstruction/body/body_tools.h"
 #include "reconstruction/body/rest_shoulders.h"
@@ -54,6 +56,11 @@ Result<FittedBody> runBodyFit(const StageRun& run, const IngestedScan& ingested,
         };
         DPL_TRY(BodyFit fit, fitBody(chosen.body, ingested.scan, settings));
         if (const std::string swaps = describeSwaps(ingested.scan, fit.swapped); !swaps.empty()) context.progress.note(swaps);
+        if (fit.metresPerUnit != 1)
+            context.progress.note(formatText("one unit of the scan's world is {} m, by the size of the person in it",
+                                             std::round(1000 * fit.metresPerUnit) / 1000));
+        else if (!ingested.scan.unitStated)
+            context.progress.note("the scan's world is taken to be in metres: the person in it is of a human size");
         return writeFileAtomically(context.folder / "fit.json", fitToJson(fit));
     }));
     return readFittedBody(stage, ingested, chosen.body);

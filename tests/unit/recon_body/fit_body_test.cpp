@@ -208,6 +208,21 @@ TEST(FitBody, aStatedHeightSetsTheScaleWhereTheWorldHasNone) {
     EXPECT_NEAR(restHeight(metric->shape), m.scan.subjectHeightM / 1.1, 0.02) << "cameras in metres know better";
 }
 
+TEST(FitBody, anUnstatedUnitIsAMetreWhereThePersonIsThenOfHumanSize) {
+    const auto unitOf = [](double metresPerUnit, bool stated, double heightM) {
+        Made m = make(9, metresPerUnit, /*movingFrames=*/0);
+        m.scan.unitStated = stated, m.scan.subjectHeightM = heightM;
+        const auto fit = fitBody(m.body, m.scan, m.keypoints);
+        EXPECT_TRUE(fit) << fit.error().message;
+        return fit ? fit->metresPerUnit : 0;
+    };
+    EXPECT_EQ(unitOf(1.1, false, 0), 1) << "a person who is a tenth taller";
+    EXPECT_EQ(unitOf(0.9, false, 0), 1) << "a person who is a tenth shorter";
+    EXPECT_NEAR(unitOf(1.1, true, 0) * 1.1, 1, 0.05) << "arbitrary is arbitrary";
+    EXPECT_NEAR(unitOf(3.7, false, 0) * 3.7, 1, 0.05) << "nobody is that tall";
+    EXPECT_NE(unitOf(1.1, false, 1.75), 1) << "a stated height decides";
+}
+
 TEST(FitBody, estimatesTheNoiseOfTheDetector) {
     const double diagonalPx = std::hypot(378, 504), confidence = 0.9;
     for (const double noisePx : {1.0, 3.0}) {

@@ -61,8 +61,8 @@ TEST(Nerfstudio, metresCountOnlyWhenStated) {
     json m = transforms(folder.path);
     auto scan = scanOf(folder, m);
     ASSERT_TRUE(scan) << scan.error().message;
-    EXPECT_FALSE(scan->metricWorld);
-    EXPECT_TRUE(mentions(scan->assumed, {"transforms.json", "unknown", "\"metric\": true", "\"world_up\""}));
+    EXPECT_FALSE(scan->metricWorld || scan->unitStated);
+    EXPECT_TRUE(mentions(scan->assumed, {"transforms.json", "human size", "\"metric\": true", "\"world_up\""}));
     m["world_up"] = "z";
     EXPECT_FALSE(scanOf(folder, m)->metricWorld) << "a stated up is no unit";
     m["metric"] = true;
@@ -72,7 +72,10 @@ TEST(Nerfstudio, metresCountOnlyWhenStated) {
     EXPECT_EQ(scan->assumed, "");
     m["metric"] = false;
     scan = scanOf(folder, m);
-    EXPECT_TRUE(scan && !scan->metricWorld && scan->assumed.empty());
+    EXPECT_TRUE(scan && !scan->metricWorld && scan->unitStated && scan->assumed.empty());
+    m.erase("metric"), m["applied_scale"] = 0.4;
+    scan = scanOf(folder, m);
+    EXPECT_TRUE(scan && !scan->metricWorld && scan->unitStated) << "a scaled world is not in metres";
 }
 
 TEST(Nerfstudio, nerfCaptureWritesMetresAndYUp) {
