@@ -146,9 +146,9 @@ inline constexpr double kDerivedTrust = 0.7;
 
 // ---- Body fit: detector and time
 
-/** Where a file says nothing of its unit, how many times as tall or as short as the mean body a person may be for it to be taken for a
- * metre. unit: ratio | origin: round figure; adults are 1.37 to 2.1 m tall, and worlds of unknown scale are mostly twice off or more |
- * half, double: half lets the mean body replace metres of tall and short people, double takes boxes of unit size for metres */
+/** Where a file names no unit, how many times as tall or short as the mean body a person may be for the unit to be taken for a metre.
+ *  unit: ratio | origin: round figure; adults are 1.37 to 2.1 m tall, and worlds of unknown scale are mostly twice off or more | half,
+ * double: half lets the mean body replace metres of tall and short people, double takes boxes of unit size for metres */
 inline constexpr double kHumanSize = 1.25;
 /** Standard deviation of a keypoint's coordinate at full confidence. The report states what the residuals of the scan show
  * (keypoint_noise.h). unit: share of the picture's diagonal | origin: dev; the noise that the generators add, 1.5 px at 378 × 504 | half,
