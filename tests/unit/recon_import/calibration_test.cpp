@@ -43,7 +43,7 @@ TEST(Calibration, realRecordingMatchesItsConversion) {
     for (size_t i = 0; i < 4; ++i) {
         const auto& expected = truth["cameras"][i];
         const Camerad& camera = (*cameras)[i].camera;
-        EXPECT_EQ((*cameras)[i].name, expected["name"]);
+        EXPECT_EQ((*cameras)[i].name, expected["name"].get<std::string>());
         const Vec3d zUp(0.2, -0.3, 1.1);  // a point in the lab
         Vec3d view(0);
         for (int row = 0; row < 3; ++row) {
