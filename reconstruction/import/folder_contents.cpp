@@ -15,7 +15,11 @@ namespace {
 
 constexpr size_t kMaxListed = 100000;
 constexpr size_t kMaxFolders = 1000;
-constexpr const char* kOtherPictures[] = {".avif", ".bmp", ".dng", ".tif", ".tiff", ".webp"};
+
+bool endsIn(const fs::path& file, std::initializer_list<const char*> extensions) {
+    const std::string extension = lowerExtension(file);
+    return std::any_of(extensions.begin(), extensions.end(), [&](const char* e) { return extension == e; });
+}
 
 void sortNaturally(std::vector<fs::path>& paths) {
     std::sort(paths.begin(), paths.end(),
@@ -74,22 +78,21 @@ bool naturallyBefore(std::string_view a, std::string_view b) {
     return a < b;  // "01" and "1"
 }
 
-std::string lowerExtension(const fs::path& file) {
-    std::string text = file.extension().string();
+std::string lowerCase(std::string text) {
     for (char& c : text) c = char(std::tolower(static_cast<unsigned char>(c)));
     return text;
 }
 
+std::string lowerExtension(const fs::path& file) {
+    return lowerCase(file.extension().string());
+}
+
 std::vector<fs::path> filesWith(const fs::path& folder, std::initializer_list<const char*> extensions) {
-    return filesThat(folder, [&](const fs::path& path) {
-        const std::string extension = lowerExtension(path);
-        return std::any_of(extensions.begin(), extensions.end(), [&](const char* e) { return extension == e; });
-    });
+    return filesThat(folder, [&](const fs::path& path) { return endsIn(path, extensions); });
 }
 
 bool isPicture(const fs::path& file) {
-    const std::string extension = lowerExtension(file);
-    return extension == ".jpg" || extension == ".jpeg" || extension == ".png";
+    return endsIn(file, {".jpg", ".jpeg", ".png"});
 }
 
 bool isVideo(const fs::path& file) {
@@ -98,8 +101,7 @@ bool isVideo(const fs::path& file) {
 }
 
 bool isHeic(const fs::path& file) {
-    const std::string extension = lowerExtension(file);
-    return extension == ".heic" || extension == ".heif";
+    return endsIn(file, {".heic", ".heif"});
 }
 
 std::vector<fs::path> picturesIn(const fs::path& folder) {
@@ -115,10 +117,7 @@ std::vector<fs::path> heicIn(const fs::path& folder) {
 }
 
 std::vector<fs::path> otherPicturesIn(const fs::path& folder) {
-    return unreadIn(folder, [](const fs::path& path) {
-        const std::string extension = lowerExtension(path);
-        return std::any_of(std::begin(kOtherPictures), std::end(kOtherPictures), [&](const char* e) { return extension == e; });
-    });
+    return unreadIn(folder, [](const fs::path& path) { return endsIn(path, {".avif", ".bmp", ".dng", ".tif", ".tiff", ".webp"}); });
 }
 
 std::vector<fs::path> foldersIn(const fs::path& folder) {

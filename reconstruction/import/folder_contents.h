@@ -19,6 +19,9 @@ inline constexpr VideoEnding kVideoEndings[] = {
     {".avi", "avi"}, {".ts", "mpegts"}, {".mts", "mpegts"}, {".m2ts", "mpegts"}, {".mpg", "mpeg"},     {".mpeg", "mpeg"},
 };
 
+/** The text with its ASCII letters in lower case. */
+std::string lowerCase(std::string text);
+
 /** Extension of a file's name in lower case, with its dot. */
 std::string lowerExtension(const std::filesystem::path& file);
 

@@ -2,7 +2,6 @@
 #include "reconstruction/import/layout.h"
 
 #include <algorithm>
-#include <cctype>
 #include <optional>
 
 #include "reconstruction/capture/scan_paths.h"
@@ -24,11 +23,6 @@ bool isFile(const fs::path& path) {
 bool isFolder(const fs::path& path) {
     std::error_code ignored;
     return fs::is_directory(path, ignored);
-}
-
-std::string lowerCase(std::string text) {
-    for (char& c : text) c = char(std::tolower(static_cast<unsigned char>(c)));
-    return text;
 }
 
 /** The folder that holds keyframes/, or nothing. */

@@ -37,20 +37,20 @@ std::string keyOf(const ImportOptions& options, const std::vector<fs::path>& sou
     return key.dump();
 }
 
-/** Whether `path` is `folder` or lies in it. */
-bool liesIn(const fs::path& path, const fs::path& folder) {
+/** The path without links, as far as it exists. */
+fs::path plainPath(const fs::path& path) {
     std::error_code error;
-    const fs::path whole = fs::weakly_canonical(fs::absolute(path, error), error),
-                   in = fs::weakly_canonical(fs::absolute(folder, error), error);
-    return std::mismatch(in.begin(), in.end(), whole.begin(), whole.end()).first == in.end();
+    return fs::weakly_canonical(fs::absolute(path, error), error);
 }
 
 /** Refuses files that are missing, or that lie where the import would move them away. */
 Status checkFiles(const std::vector<fs::path>& files, const fs::path& scan) {
     std::error_code error;
+    const fs::path folder = plainPath(scan);
     for (const fs::path& file : files) {
         if (!fs::is_regular_file(file, error)) return fail(Code::NotFound, "{}: no such file", file.string());
-        if (liesIn(file, scan))
+        const fs::path plain = plainPath(file);
+        if (std::mismatch(folder.begin(), folder.end(), plain.begin(), plain.end()).first == folder.end())
             return fail(Code::InvalidArgument, "{} lies in {}, where the import writes its scan; move it, or choose another output with -o",
                         file.string(), scan.string());
     }
