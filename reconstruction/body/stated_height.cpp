@@ -5,12 +5,9 @@
 
 #include <algorithm>
 
+#include "reconstruction/priors.h"
+
 namespace dpl {
-namespace {
-
-constexpr double kHeightSigmaM = 0.01;  // people know their height to a centimetre
-
-}  // namespace
 
 ceres::CostFunction* makeStatedHeight(const BodyModel& body, double heightM) {
     const std::vector<Vec3f>& p = body.mesh.restPositions;
@@ -22,7 +19,7 @@ ceres::CostFunction* makeStatedHeight(const BodyModel& body, double heightM) {
         rise[Eigen::Index(m)] = double(body.morphs[m].vertexOffsets[top].y - body.morphs[m].vertexOffsets[bottom].y);
     if (!(rise.squaredNorm() > 1e-8)) return nullptr;
     const double missing = heightM - double(high->y - low->y);
-    return new ceres::NormalPrior(rise.transpose() / kHeightSigmaM, rise * (missing / rise.squaredNorm()));
+    return new ceres::NormalPrior(rise.transpose() / priors::kStatedHeightM, rise * (missing / rise.squaredNorm()));
 }
 
 }  // namespace dpl
