@@ -81,20 +81,28 @@ debian_mirror() {
     echo "${mirror:-http://deb.debian.org/debian}"
 }
 
+# apt_apart FOLDER ARGUMENT...: runs apt-get with FOLDER/sources.list and lists of its own, so that the machine's apt sources stay unchanged.
+apt_apart() {
+    local folder="$1"
+    shift
+    mkdir -p "$folder/lists/partial"
+    apt-get -q -o "Dir::Etc::sourcelist=$folder/sources.list" -o Dir::Etc::sourceparts=/dev/null \
+        -o "Dir::State::lists=$folder/lists" -o APT::Sandbox::User=root "$@"
+}
+
 # ubuntu_keyring FOLDER: puts Ubuntu's archive keys into FOLDER and prints their path. Debian signs the package that holds them.
 ubuntu_keyring() {
-    local folder="$1"
-    mkdir -p "$folder/lists"
+    local folder="$1" package
+    mkdir -p "$folder"
     echo "deb [signed-by=/usr/share/keyrings/debian-archive-keyring.gpg] $(debian_mirror) trixie main" >"$folder/sources.list"
-    local apt=(apt-get -q -o "Dir::Etc::sourcelist=$folder/sources.list" -o Dir::Etc::sourceparts=/dev/null -o "Dir::State::lists=$folder/lists" -o APT::Sandbox::User=root)
-    (cd "$folder" && "${apt[@]}" update && "${apt[@]}" download ubuntu-archive-keyring ubuntu-keyring) >"$folder/log" 2>&1 || { cat "$folder/log" >&2; return 1; }
-    local package
+    (cd "$folder" && apt_apart "$folder" update && apt_apart "$folder" download ubuntu-archive-keyring ubuntu-keyring) \
+        >"$folder/log" 2>&1 || { cat "$folder/log" >&2; return 1; }
     for package in "$folder"/*.deb; do dpkg-deb -x "$package" "$folder"; done
     find "$folder/usr" -name ubuntu-archive-keyring.gpg -not -type l | head -n 1
 }
 
-# bare_root SUITE FOLDER: makes a bare Debian (bookworm, trixie) or Ubuntu (noble) in FOLDER with debootstrap, unless it is there. No service
-# starts in it. Needs root and a mirror: for Debian that of this machine's apt sources, for Ubuntu archive.ubuntu.com.
+# bare_root SUITE FOLDER: makes a bare Debian (bookworm, trixie) or Ubuntu (noble) in FOLDER with debootstrap, unless it is there. No
+# service starts in it. Needs root and a mirror: for Debian that of this machine's apt sources, for Ubuntu archive.ubuntu.com.
 bare_root() {
     local suite="$1" root="$2" f source
     [ "$(id -u)" -eq 0 ] || { echo "needs root (debootstrap, chroot)" >&2; return 1; }
@@ -103,7 +111,8 @@ bare_root() {
         rm -rf "$root"
         mkdir -p "$root"
         if [ "$suite" = noble ]; then  # Debian 12's debootstrap has no script of that name; all of Ubuntu share gutsy's
-            source=(--components=main,universe "--keyring=$(ubuntu_keyring "$root.keys")" "$suite" "$root" http://archive.ubuntu.com/ubuntu /usr/share/debootstrap/scripts/gutsy)
+            source=(--components=main,universe "--keyring=$(ubuntu_keyring "$root.keys")" "$suite" "$root" \
+                http://archive.ubuntu.com/ubuntu /usr/share/debootstrap/scripts/gutsy)
         else
             source=("$suite" "$root" "$(debian_mirror)")
         fi
