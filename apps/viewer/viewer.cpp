@@ -181,9 +181,11 @@ void Viewer::takeInput() {
         if (key == 'P') state_.wantsScreenshot = true;
     }
     if (io.WantCaptureMouse || io.DisplaySize.y <= 0) return;
-    if (io.MouseDown[0] && !io.KeyShift) state_.camera.orbit(io.MouseDelta.x, io.MouseDelta.y, io.DisplaySize.y);
-    if (io.MouseDown[1] || io.MouseDown[2] || (io.MouseDown[0] && io.KeyShift))
-        state_.camera.pan(io.MouseDelta.x, io.MouseDelta.y, io.DisplaySize.y);
+    const auto drags = [&io](int button) {  // ImGui may tell of the last movement and of the release in one frame
+        return (io.MouseDown[button] || io.MouseReleased[button]) && !io.MouseDownOwned[button];
+    };
+    if (drags(0) && !io.KeyShift) state_.camera.orbit(io.MouseDelta.x, io.MouseDelta.y, io.DisplaySize.y);
+    if (drags(1) || drags(2) || (drags(0) && io.KeyShift)) state_.camera.pan(io.MouseDelta.x, io.MouseDelta.y, io.DisplaySize.y);
     if (io.MouseWheel != 0) state_.camera.zoom(io.MouseWheel);
 }
 
