@@ -66,8 +66,9 @@ def spread_text(found, digits, unit):
 
 
 def evidence_rows(store, names):
+    """Parts that were judged. Garment layers follow the labels; a gain of exactly 0 was not measured."""
     return [[label, row["part"], "yes" if row["kept"] else "no", number(row["gain_db"]), number(row["bytes"] / 1000, 0)]
-            for name, label in names for row in store.rows(name) if row["row"] == "evidence"]
+            for name, label in names for row in store.rows(name) if row["row"] == "evidence" and row["gain_db"] != 0]
 
 
 WALK = ["scan, walk", "garment vertices inside the body, %", "edges stretched over 2 ×, %", "longest stretch", "skin that shows through, % of the garments' pixels"]
@@ -116,7 +117,8 @@ def quality(store):
         text += table(REGISTRATION, registration_rows(store, UNSEEN)) + "\n"
     text += missing_of(store, UNSEEN)
     everything = DEVELOPMENT + UNSEEN
-    text += "## What the parts are worth\n\nMasked PSNR with the part, less that without it, over the frames that decide.\n\n"
+    text += ("## What the parts are worth\n\nMasked PSNR with the part, less that without it, over the frames that decide. "
+             "Garments become layers where a scan has labels; that is not judged.\n\n")
     text += table(["scan", "part", "kept", "gain, dB", "kB"], evidence_rows(store, everything)) + "\n"
     return text + "## How these figures were taken\n\n" + taken_all(store, everything)
 
