@@ -127,12 +127,23 @@ std::vector<fs::path> foldersIn(const fs::path& folder) {
     });
 }
 
+std::string shellWord(const fs::path& path) {
+    const std::string text = path.string();
+    const bool plain = !text.empty() && std::all_of(text.begin(), text.end(), [](unsigned char c) {
+        return std::isalnum(c) || c >= 0x80 || std::string_view("/._-+:,@%=").find(char(c)) != std::string_view::npos;
+    });
+    if (plain) return text;
+    std::string word = "'";
+    for (const char c : text) word += c == '\'' ? std::string("'\\''") : std::string(1, c);
+    return word + "'";
+}
+
 std::string howToConvertHeic(const fs::path& folder) {
     return formatText(
         "export them as JPEG (on an iPhone: Settings, Camera, Formats, Most Compatible), or convert them (apt-get install "
-        "libheif-examples) and run the same command again: for f in \"{}\"/*.[Hh][Ee][Ii][CcFf]; do heif-convert -q 95 \"$f\" "
+        "libheif-examples) and run the same command again: for f in {}/*.[Hh][Ee][Ii][CcFf]; do heif-convert -q 95 \"$f\" "
         "\"$f.jpg\"; done",
-        folder.string());
+        shellWord(folder));
 }
 
 std::vector<std::string> leftBesidePhotos(const fs::path& folder) {
@@ -145,7 +156,7 @@ std::vector<std::string> leftBesidePhotos(const fs::path& folder) {
     if (const auto videos = videosIn(folder); !videos.empty())
         notes.push_back(
             formatText("the photos are taken, {} videos beside them are left out; for a scan of a video instead: doppel import {} -o scan",
-                       videos.size(), videos.front().string()));
+                       videos.size(), shellWord(videos.front())));
     for (const fs::path& below : foldersIn(folder))
         if (const size_t pictures = picturesIn(below).size(); pictures > 0)
             notes.push_back(formatText("{} pictures in its folder {} are left out; move them beside the others if they belong to the scan",

@@ -40,7 +40,7 @@ Result<Capture> readLayout(const CaptureLayout& layout, const ImportOptions& opt
     switch (layout.kind) {
         case CaptureKind::ScanFolder:
             return fail(Code::InvalidArgument, "{} is a scan folder already; run doppel reconstruct {}", layout.root.string(),
-                        layout.root.string());
+                        shellWord(layout.root));
         case CaptureKind::Nerfstudio:
         case CaptureKind::Colmap:
             return readKnownScan(layout.root);
@@ -88,7 +88,7 @@ void thinOut(Capture& capture) {
 /** The last line: the next command, or what the scan lacks before one works. */
 std::string nextStep(const Scan& scan, const fs::path& out) {
     const std::string lack = missingStillPart(scan);
-    if (lack.empty()) return formatText("wrote {}; next: doppel reconstruct {} -o OUT", out.string(), out.string());
+    if (lack.empty()) return formatText("wrote {}; next: doppel reconstruct {} -o OUT", out.string(), shellWord(out));
     return formatText("wrote {}, which gives no avatar yet: {}. {}", out.string(), lack,
                       scan.camerasKnown
                           ? formatText("Add such pictures to {} as frames of the kind static_full, with cameras of the same world",

@@ -64,7 +64,7 @@ std::string describeFolder(const fs::path& folder) {
     if (const auto videos = videosIn(folder); !videos.empty())
         return formatText(
             "it holds {} videos without a calibration; say what each one shows, for example 'doppel import --static {} -o scan'",
-            videos.size(), videos.front().string());
+            videos.size(), shellWord(videos.front()));
     if (pictures > 0) return formatText("it holds {} pictures, at least {} are needed", pictures, kFewestPhotos);
     for (const char* inside : {"images", "rgb", "input"})
         if (const size_t count = picturesIn(folder / inside).size())

@@ -39,6 +39,8 @@ TEST_F(Recognise, unknownFoldersSayWhatTheyHoldAndWhatHelps) {
     EXPECT_TRUE(mentions(refusal(root_ / "empty"), {"neither pictures nor videos", "captures.md"}));
     writeText(root_ / "heic/IMG_1.HEIC", "x");
     EXPECT_TRUE(mentions(refusal(root_ / "heic"), {"1 HEIC", "export them as JPEG"}));
+    writeText(root_ / "it's $HOME/IMG_1.HEIC", "x");
+    EXPECT_TRUE(mentions(refusal(root_ / "it's $HOME"), {("for f in '" + root_.string() + "/it'\\''s $HOME'/*.").c_str()}));
     writeText(root_ / "webp/1.webp", "x");
     EXPECT_TRUE(mentions(refusal(root_ / "webp"), {"1 pictures like 1.webp", "convert them to JPEG"}));
     for (const char* name : {"videos/walk.mp4", "videos/moves.mp4"}) writeText(root_ / name, "x");
