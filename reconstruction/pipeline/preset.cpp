@@ -4,9 +4,22 @@
 #include <algorithm>
 
 namespace dpl {
+namespace {
 
-RunSettings settingsOf(const ReconstructOptions& options) {
+void nameLabels(std::span<const ScanLabel> labels, InitSettings& init) {
+    init.clothLabels.clear(), init.openLabels.clear();
+    for (const ScanLabel& label : labels)
+        if (label.name == "hair")
+            init.openLabels.push_back(label.value);
+        else if (label.name != "background" && label.name != "body" && label.name != "shoes")
+            init.clothLabels.push_back(label.value);
+}
+
+}  // namespace
+
+RunSettings settingsOf(const ReconstructOptions& options, std::span<const ScanLabel> labels) {
     RunSettings s;
+    if (!labels.empty()) nameLabels(labels, s.training.init);
     s.training.seed = options.seed;
     switch (options.preset) {
         case Preset::Draft:

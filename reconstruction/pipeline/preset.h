@@ -2,6 +2,9 @@
 // The numbers behind the presets draft, standard and high.
 #pragma once
 
+#include <span>
+
+#include "reconstruction/capture/scan.h"
 #include "reconstruction/pipeline/reconstruct.h"
 #include "reconstruction/splat/co_optimise.h"
 #include "reconstruction/splat/polish.h"
@@ -18,7 +21,8 @@ struct RunSettings {
     bool layers = true;            // false: one layer, whatever the labels say
 };
 
-RunSettings settingsOf(const ReconstructOptions& options);
+/** labels: the scan's. Without any, the values are those of our networks. */
+RunSettings settingsOf(const ReconstructOptions& options, std::span<const ScanLabel> labels = {});
 
 /** The same settings with `steps` steps of training. Stages after it train on for shares of these steps, and the polish is cut to a tenth
  *  of them, so that a short training is not followed by a long rest of the run. */

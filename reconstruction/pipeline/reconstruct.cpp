@@ -55,7 +55,7 @@ Result<T> runFromScan(const ReconstructOptions& options, Progress& progress,
 
 Result<ReconstructResult> reconstructFrom(const StageRun& run, const IngestedScan& ingested, const FittedBody& body,
                                           const ReconstructOptions& options) {
-    RunSettings settings = settingsOf(options);
+    RunSettings settings = settingsOf(options, ingested.scan.labels);
     const ReconstructResult paths{options.out / "avatar.glb", options.out / "poses.json", options.out / "report.html", "", {}};
     Pictures pictures(ingested.scan);
     DPL_TRY(const FittedSurface surface, runSurface(run, ingested, body, pictures));

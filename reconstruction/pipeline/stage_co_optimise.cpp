@@ -49,17 +49,6 @@ Result<uint32_t> stepsInBudget(const CoOptimiseInput& input, const RunSettings& 
     return steps;
 }
 
-/** The values of the scan's labels, by their names. Scans without names have no labels, or come from our networks. */
-void nameLabels(const Scan& scan, InitSettings& init) {
-    if (scan.labels.empty()) return;
-    init.clothLabels.clear(), init.openLabels.clear();
-    for (const ScanLabel& label : scan.labels)
-        if (label.name == "hair")
-            init.openLabels.push_back(label.value);
-        else if (label.name != "background" && label.name != "body" && label.name != "shoes")
-            init.clothLabels.push_back(label.value);
-}
-
 Status train(CoOptimiseInput input, const RunSettings& settings, Jobs& jobs, StageContext& context) {
     CoOptimiseSettings training = settings.training;
     if (settings.timeBudgetMinutes > 0) {
@@ -98,9 +87,7 @@ Status train(CoOptimiseInput input, const RunSettings& settings, Jobs& jobs, Sta
 }  // namespace
 
 Result<Training> runCoOptimise(const StageRun& run, const IngestedScan& ingested, const FittedBody& body, const DressedBody& dressed,
-                               const RegisteredPoses& registered, Pictures& pictures, const RunSettings& given) {
-    RunSettings settings = given;
-    nameLabels(ingested.scan, settings.training.init);
+                               const RegisteredPoses& registered, Pictures& pictures, const RunSettings& settings) {
     const nlohmann::json inputs = {{"training", ingested.trainingHash},
                                    {"body_fit", body.key},
                                    {"garments", dressed.key},

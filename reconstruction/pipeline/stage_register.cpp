@@ -2,6 +2,7 @@
 #include <algorithm>
 
 #include "reconstruction/body/swapped_sides.h"
+#include "reconstruction/garments/label_field.h"
 #include "reconstruction/pipeline/precision_file.h"
 #include "reconstruction/pipeline/stage_keys.h"
 #include "reconstruction/pipeline/stages.h"
@@ -55,7 +56,8 @@ Status fit(const StageRun& run, const IngestedScan& ingested, const FittedBody& 
         }
         input.frames.push_back({frame.kind, frame.timeS, body.cameras[f], surface.poses[f], shown[f].get(), keypoints[f], frame.split});
     }
-    const std::vector<uint8_t> triangleLabel = voteTriangleLabels(body.shaped.joints, mesh, stills, run.jobs);
+    const std::vector<uint8_t> triangleLabel =
+        voteTriangleLabels(body.shaped.joints, mesh, stills, votingLabels(scan.labels)[0].value, run.jobs);
     const std::vector<uint8_t> labels = triangleLabel.empty() ? std::vector<uint8_t>() : rigidLabels(scan);
     const std::vector<uint8_t> rigid = rigidTriangles(mesh, surface.restOffsets, triangleLabel, labels);
     input.body = &body.shaped, input.surface = &mesh;
@@ -88,7 +90,7 @@ Result<RegisteredPoses> runRegister(const StageRun& run, const IngestedScan& ing
     const RegisterSettings settings;
     const nlohmann::json inputs = {
         {"training", ingested.trainingHash}, {"body_fit", body.key}, {"surface", surface.key}, {"settings", fieldsJson(settings)}};
-    DPL_TRY(const StageOutput stage, run.chain.run("register", 6, inputs, [&](StageContext& context) {
+    DPL_TRY(const StageOutput stage, run.chain.run("register", 7, inputs, [&](StageContext& context) {
         return fit(run, ingested, body, surface, pictures, settings, context);
     }));
     const std::filesystem::path path = stage.folder / "poses.json";

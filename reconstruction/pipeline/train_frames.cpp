@@ -12,8 +12,6 @@
 namespace dpl {
 namespace {
 
-constexpr uint8_t kLabelBody = 1;
-
 void posedMesh(const std::vector<JointData>& joints, const MeshData& mesh, const Pose& pose, Jobs& jobs, std::vector<Vec3f>& positions) {
     std::vector<Mat3x4f> worldFromRest;
     jointTransforms(joints, pose, worldFromRest);
@@ -74,7 +72,7 @@ std::vector<size_t> silhouetteFrames(const IngestedScan& ingested) {
 }
 
 std::vector<uint8_t> voteTriangleLabels(const std::vector<JointData>& joints, const MeshData& mesh, const std::vector<TrainFrame>& frames,
-                                        Jobs& jobs) {
+                                        uint8_t bodyLabel, Jobs& jobs) {
     TriangleLabels votes(mesh.triangles.size());
     bool any = false;
     std::vector<Vec3f> positions;
@@ -85,7 +83,7 @@ std::vector<uint8_t> voteTriangleLabels(const std::vector<JointData>& joints, co
         votes.add(raster, positions, mesh.triangles, frame.camera, frame.picture->labels.pixels, frame.picture->mask.pixels);
         any = true;
     }
-    return any ? votes.finish(mesh.triangles, kLabelBody) : std::vector<uint8_t>();
+    return any ? votes.finish(mesh.triangles, bodyLabel) : std::vector<uint8_t>();
 }
 
 float trainedPixelM(const std::vector<JointData>& joints, const std::vector<TrainFrame>& frames) {

@@ -72,9 +72,10 @@ void setPrecisions(FrameSet& set, std::span<const std::shared_ptr<const PosePrec
  *  moving ones. Indices into Scan::frames. */
 std::vector<size_t> silhouetteFrames(const IngestedScan& ingested);
 
-/** Label of every triangle of `mesh`, voted by the still training frames with labels. Empty when no frame has labels. */
+/** Label of every triangle of `mesh`, voted by the still training frames with labels; bodyLabel where none sees it. Empty when no frame has
+ *  labels. */
 std::vector<uint8_t> voteTriangleLabels(const std::vector<JointData>& joints, const MeshData& mesh, const std::vector<TrainFrame>& frames,
-                                        Jobs& jobs);
+                                        uint8_t bodyLabel, Jobs& jobs);
 
 /** AvatarData::trainedPixelM of these frames: the median size of a pixel at the root joint, metres. The weight of a frame is the number of
  *  joints that it shows, so close-ups count little. 0 when no frame shows a joint. */

@@ -37,28 +37,33 @@ void TriangleLabels::add(const MeshRaster& raster, std::span<const Vec3f> positi
     const Vec3d eye = camera.eye();
     for (size_t pixel = 0; pixel < raster.triangle.size(); ++pixel) {
         const uint32_t id = raster.triangle[pixel];
-        if (id == kNoTriangle || !isPerson(mask[pixel]) || labels[pixel] == 0 || labels[pixel] >= kLabels) continue;
+        if (id == kNoTriangle || !isPerson(mask[pixel]) || labels[pixel] == 0) continue;
         const Vec3d a(positions[triangles[id].x]), b(positions[triangles[id].y]), c(positions[triangles[id].z]);
         const Vec3d normal = glm::cross(b - a, c - a), toEye = eye - a;
         const double cosine = glm::dot(normal, toEye) / std::max(1e-20, glm::length(normal) * glm::length(toEye));
-        if (cosine > 0.1) votes_[id].byLabel[labels[pixel]] += float(cosine);
+        if (!(cosine > 0.1)) continue;
+        std::vector<float>& votes = votes_[labels[pixel]];
+        votes.resize(triangleCount_, 0.0f);
+        votes[id] += float(cosine);
     }
 }
 
 std::vector<uint8_t> TriangleLabels::finish(std::span<const Triangle> triangles, uint8_t fallback) const {
     const auto neighbours = edgeNeighbours(triangles);
-    std::vector<Votes> votes = votes_;
-    for (int round = 0; round < 2; ++round) {
-        std::vector<Votes> shared = votes;
-        for (size_t t = 0; t < votes.size(); ++t)
-            for (uint32_t n : neighbours[t])
-                for (size_t k = 0; n != kNoTriangle && k < kLabels; ++k) shared[t].byLabel[k] += 0.5f * votes[n].byLabel[k];
-        votes = std::move(shared);
-    }
-    std::vector<uint8_t> label(votes.size(), 0);  // 0: not known yet
-    for (size_t t = 0; t < votes.size(); ++t) {
-        const auto best = std::max_element(std::begin(votes[t].byLabel), std::end(votes[t].byLabel));
-        if (*best > 0) label[t] = uint8_t(best - std::begin(votes[t].byLabel));
+    std::vector<uint8_t> label(triangleCount_, 0);  // 0: not known yet
+    std::vector<float> most(triangleCount_, 0.0f);
+    for (size_t value = 1; value < votes_.size(); ++value) {
+        std::vector<float> votes = votes_[value];
+        if (votes.empty()) continue;
+        for (int round = 0; round < 2; ++round) {
+            std::vector<float> shared = votes;
+            for (size_t t = 0; t < triangleCount_; ++t)
+                for (const uint32_t n : neighbours[t])
+                    if (n != kNoTriangle) shared[t] += 0.5f * votes[n];
+            votes = std::move(shared);
+        }
+        for (size_t t = 0; t < triangleCount_; ++t)
+            if (votes[t] > most[t]) most[t] = votes[t], label[t] = uint8_t(value);
     }
     for (bool grew = true; grew;) {
         grew = false;

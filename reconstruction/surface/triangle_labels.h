@@ -2,6 +2,7 @@
 // The clothing label of each triangle, by a vote of the pixels that see it.
 #pragma once
 
+#include <array>
 #include <span>
 #include <vector>
 
@@ -12,7 +13,7 @@ namespace dpl {
 /** Each person pixel that sees the front of a triangle votes for its own label, weighted by the cosine of the viewing angle. */
 class TriangleLabels {
 public:
-    explicit TriangleLabels(size_t triangleCount) : votes_(triangleCount) {}
+    explicit TriangleLabels(size_t triangleCount) : triangleCount_(triangleCount) {}
 
     /** Adds a frame. `labels` and `mask` have the raster's size, one value per pixel. */
     void add(const MeshRaster& raster, std::span<const Vec3f> positions, std::span<const Triangle> triangles, const Camerad& camera,
@@ -23,11 +24,8 @@ public:
     std::vector<uint8_t> finish(std::span<const Triangle> triangles, uint8_t fallback) const;
 
 private:
-    static constexpr size_t kLabels = 8;
-    struct Votes {
-        float byLabel[kLabels] = {};
-    };
-    std::vector<Votes> votes_;
+    size_t triangleCount_;
+    std::array<std::vector<float>, 256> votes_;  // of a label's value: one a triangle, or empty when no pixel has the label
 };
 
 }  // namespace dpl

@@ -40,6 +40,13 @@ TEST(StageKeys, everyNumberThatDecidesAResultIsInItsKey) {
     EXPECT_TRUE(differs([](RunSettings& s) { s.poseFit.loss.mask += 0.1f; }));
 }
 
+TEST(StageKeys, labelsCountByTheirNames) {
+    const std::vector<ScanLabel> labels = {{"background", 0}, {"body", 7}, {"dress", 40}, {"hair", 2}, {"shoes", 3}};
+    const InitSettings named = settingsOf({}, labels).training.init;
+    EXPECT_EQ(named.clothLabels, std::vector<uint8_t>{40});
+    EXPECT_EQ(named.openLabels, std::vector<uint8_t>{2});
+}
+
 TEST(StageKeys, withATimeBudgetTheStepsAreAResult) {
     RunSettings settings = settingsOf(draft(0, 5));
     const auto inputs = trainingInputs(settings);
