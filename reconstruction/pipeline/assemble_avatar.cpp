@@ -6,44 +6,13 @@
 #include "reconstruction/garments/stress_poses.h"
 #include "reconstruction/garments/tuck_body.h"
 #include "reconstruction/package/sh_palette.h"
-#include "reconstruction/priors.h"
+#include "reconstruction/pipeline/scan_motion.h"
 #include "reconstruction/splat/init.h"
 #include "sdk/core/evenly_spaced.h"
 #include "sdk/core/log.h"
 
 namespace dpl {
 namespace {
-
-/** The subject's movement in the training frames as a clip, so that an avatar can be played without another file. */
-std::vector<ClipData> scanMotion(const Scan& scan, const std::vector<size_t>& trainIndices, const std::vector<Pose>& poses) {
-    std::vector<std::pair<double, size_t>> order;
-    for (size_t i = 0; i < trainIndices.size(); ++i) {
-        const ScanFrame& frame = scan.frames[trainIndices[i]];
-        if (frame.kind == FrameKind::Dynamic) order.emplace_back(frame.timeS, i);
-    }
-    std::sort(order.begin(), order.end());
-    order.erase(std::unique(order.begin(), order.end(), [](const auto& a, const auto& b) { return a.first == b.first; }), order.end());
-    if (order.size() < 2) return {};
-    ClipData clip;
-    clip.name = "scan-motion";
-    clip.channels.resize(poses.front().localRotations.size());
-    for (size_t j = 0; j < clip.channels.size(); ++j) clip.channels[j].joint = uint32_t(j);
-    for (const auto& [time, i] : order) {
-        clip.timesS.push_back(float(time - order.front().first));
-        clip.rootTranslations.push_back(poses[i].rootTranslation);
-        for (size_t j = 0; j < clip.channels.size(); ++j) {
-            Quatf q = glm::normalize(poses[i].localRotations[j]);
-            auto& keys = clip.channels[j].rotations;
-            if (!keys.empty() && glm::dot(keys.back(), q) < 0) q = -q;
-            keys.push_back(q);
-        }
-    }
-    // Joints that never move are left out.
-    std::erase_if(clip.channels, [](const ClipChannel& channel) {
-        return std::all_of(channel.rotations.begin(), channel.rotations.end(), [](const Quatf& q) { return std::abs(q.w) > 1 - 1e-9f; });
-    });
-    return {clip};
-}
 
 constexpr size_t kTuckedPoses = 64;  // of training, at most
 
@@ -64,10 +33,7 @@ constexpr double kShPaletteLevels = 0.5;
 }  // namespace
 
 nlohmann::json assembleInputs() {
-    return {{"shPaletteEntries", kShPaletteEntries},
-            {"shPaletteLevels", kShPaletteLevels},
-            {"tuckedPoses", kTuckedPoses},
-            {"tuckM", priors::kTuckM}};
+    return {{"shPaletteEntries", kShPaletteEntries}, {"shPaletteLevels", kShPaletteLevels}, {"tuckedPoses", kTuckedPoses}};
 }
 
 Result<AssembledAvatar> assembleAvatar(const std::vector<JointData>& joints, const ClothedMesh& clothed, const CoOptimiseResult& trained,

@@ -38,7 +38,7 @@ Result<Package> runPackage(const StageRun& run, const IngestedScan& ingested, co
     const nlohmann::json inputs = {{"trained", training.key}, {"assemble", assembleInputs()},     {"name", ingested.scan.name},
                                    {"parts", measured.key},   {"polish", polishInputs(settings)}, {"decided", rows},
                                    {"map", mapped.key}};
-    DPL_TRY(const StageOutput stage, run.chain.run("package", 6, inputs, [&](StageContext& context) -> Status {
+    DPL_TRY(const StageOutput stage, run.chain.run("package", 7, inputs, [&](StageContext& context) -> Status {
         context.progress.update(0, "encoding");
         DPL_TRY(const AssembledAvatar* assembled, trained.get());
         return package(*assembled, measured.parts, decided, mapped.capture, settings, run.jobs, context);
