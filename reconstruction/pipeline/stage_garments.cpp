@@ -71,19 +71,22 @@ Result<DressedBody> runGarments(const StageRun& run, const IngestedScan& ingeste
                                 Pictures& pictures, const RunSettings& settings) {
     // Layers are carved out of still silhouettes.
     const auto still = [](const ScanFrame& frame) { return frame.kind == FrameKind::StaticFull; };
-    const bool layers = settings.layers && std::any_of(ingested.scan.frames.begin(), ingested.scan.frames.end(), still);
-    const std::vector<ScanLabel> wanted = layers ? ingested.scan.labels : std::vector<ScanLabel>{};
+    const bool anyStill = std::any_of(ingested.scan.frames.begin(), ingested.scan.frames.end(), still);
+    const std::vector<ScanLabel> wanted = settings.layers && anyStill ? ingested.scan.labels : std::vector<ScanLabel>{};
     json labels = json::array();
     for (const ScanLabel& label : wanted) labels.push_back({label.name, label.value});
     const json inputs = {{"training", ingested.trainingHash}, {"surface", surface.key}, {"labels", labels}};
-    DPL_TRY(const StageOutput stage, run.chain.run("garments", 7, inputs, [&](StageContext& context) {
+    DPL_TRY(const StageOutput stage, run.chain.run("garments", 8, inputs, [&](StageContext& context) {
         return dress(run, ingested, body, surface, pictures, wanted, context);
     }));
     DressedBody dressed;
     dressed.key = stage.key;
     DPL_TRY(dressed.clothed, readClothedFile(stage.folder / "clothed.bin", body.shaped.joints.size()));
     DPL_TRY(dressed.decided, readDecisions(stage.folder / "garments.json"));
-    if (!settings.layers) dressed.decided = {{"garment layers", false, 0, 0, "left out by --without layers"}};
+    if (!settings.layers)
+        dressed.decided = {{"garment layers", false, 0, 0, "left out by --without layers"}};
+    else if (!anyStill)
+        dressed.decided = {{"garment layers", false, 0, 0, "no still full-body picture, and layers are cut from those"}};
     return dressed;
 }
 
