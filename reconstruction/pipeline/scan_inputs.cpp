@@ -54,6 +54,12 @@ json commonInputs(const Scan& scan) {
     return {{"metric", metric}, {"keypoint_names", scan.keypointNames}, {"labels", labels}};
 }
 
+json posedInputs(const Scan& scan, const std::vector<FrameHashes>& hashes) {
+    json frames = json::array();
+    for (size_t f = 0; f < scan.frames.size(); ++f) frames.push_back(frameInputs(scan.frames[f], {"", "", "", hashes[f].keypoints}));
+    return frames;
+}
+
 json scanInputs(const Scan& scan, const std::vector<FrameHashes>& hashes) {
     json frames = json::array();
     for (size_t f = 0; f < scan.frames.size(); ++f) frames.push_back(frameInputs(scan.frames[f], hashes[f]));

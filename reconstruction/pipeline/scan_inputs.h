@@ -15,7 +15,9 @@ std::vector<FrameHashes> hashFrames(const Scan& scan);
 nlohmann::json frameInputs(const ScanFrame& frame, const FrameHashes& files);
 /** The inputs that all frames share. */
 nlohmann::json commonInputs(const Scan& scan);
-/** Both, of all frames. */
+/** What the poses of frames depend on: of every frame its camera, time and keypoints, and no picture. */
+nlohmann::json posedInputs(const Scan& scan, const std::vector<FrameHashes>& hashes);
+/** All inputs of all frames. */
 nlohmann::json scanInputs(const Scan& scan, const std::vector<FrameHashes>& hashes);
 
 }  // namespace dpl

@@ -129,8 +129,10 @@ Result<std::string> hashFile(const fs::path& path) {
 StageChain::StageChain(fs::path outFolder, Progress& progress)
     : outFolder_(std::move(outFolder)), stagesFolder_(outFolder_ / "stages"), progress_(progress) {}
 
-Result<StageOutput> StageChain::run(const std::string& name, uint32_t version, const json& inputs,
+Result<StageOutput> StageChain::run(const std::string& name, uint32_t version, const json& stageInputs,
                                     const std::function<Status(StageContext&)>& work) {
+    json inputs = stageInputs;
+    inputs["priors"] = DOPPEL_PRIORS;
     const fs::path folder = stagesFolder_ / name, workFolder = folder.string() + ".work";
     const std::string key = hashText(json{{"stage", name}, {"version", version}, {"inputs", inputs}}.dump());
 

@@ -48,9 +48,9 @@ public:
     StageChain(std::filesystem::path outFolder, Progress& progress);
 
     /** Runs `work` unless a finished folder with the same key exists and each of its files is as it was written; a note says which is not.
-     * `inputs` holds every value that the result depends on: settings, hashes of input files, keys of earlier stages. `version` must change
-     * when the code makes other files from the same inputs. */
-    Result<StageOutput> run(const std::string& name, uint32_t version, const nlohmann::json& inputs,
+     * `stageInputs` holds every value that the result depends on: settings, hashes of input files, keys of earlier stages; not the priors
+     * (priors.h), which belong to the key of every stage. `version` must change when the code makes other files from the same inputs. */
+    Result<StageOutput> run(const std::string& name, uint32_t version, const nlohmann::json& stageInputs,
                             const std::function<Status(StageContext&)>& work);
 
     const std::filesystem::path& outFolder() const { return outFolder_; }

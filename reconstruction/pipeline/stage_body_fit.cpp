@@ -6,6 +6,7 @@
 #include "reconstruction/body/rest_shoulders.h"
 #include "reconstruction/body/swapped_sides.h"
 #include "reconstruction/pipeline/fit_file.h"
+#include "reconstruction/pipeline/scan_inputs.h"
 #include "reconstruction/pipeline/stage_keys.h"
 #include "reconstruction/pipeline/stages.h"
 #include "reconstruction/sample/builtin_body.h"
@@ -39,17 +40,15 @@ Result<FittedBody> readFittedBody(const StageOutput& stage, const IngestedScan& 
 
 Result<FittedBody> runBodyFit(const StageRun& run, const IngestedScan& ingested, const ChosenBody& chosen) {
     BodyFitSettings settings;
-    // The fit reads the keypoints of every frame and the masks of training frames. Poses of other frames start from their keypoints.
-    nlohmann::json keypoints = nlohmann::json::array();
-    for (size_t f = 0; f < ingested.hashes.size(); ++f)
-        keypoints.push_back({ingested.scan.frames[f].name, int(ingested.scan.frames[f].split), ingested.hashes[f].keypoints});
-    nlohmann::json inputs = {{"keypoints", keypoints},
+    // The fit reads the keypoints of every frame and the masks of training frames. Poses of other frames start from their keypoints, and
+    // the stages after it draw them with their cameras.
+    nlohmann::json inputs = {{"posed", posedInputs(ingested.scan, ingested.hashes)},
                              {"keypoint_sigma", keypointSigma(ingested.scan)},
                              {"training", ingested.trainingHash},
                              {"body", chosen.hash},
                              {"settings", fieldsJson(settings)}};
     if (!ingested.scan.metricWorld && ingested.scan.subjectHeightM > 0) inputs["height"] = ingested.scan.subjectHeightM;
-    DPL_TRY(const StageOutput stage, run.chain.run("body-fit", 11, inputs, [&](StageContext& context) -> Status {
+    DPL_TRY(const StageOutput stage, run.chain.run("body-fit", 12, inputs, [&](StageContext& context) -> Status {
         settings.progress = [&](double fraction, std::string_view what) {
             context.progress.update(fraction, what);
             return !context.progress.cancelled();

@@ -198,14 +198,11 @@ Result<MeasuredParts> runEvidence(const StageRun& run, const IngestedScan& inges
                                    {"register", registered.key},
                                    {"assemble", assembleInputs()},
                                    {"name", ingested.scan.name},
-                                   {"worthItDb", priors::kWorthItDb},
-                                   {"worthAMegabyteDb", priors::kWorthAMegabyteDb},
-                                   {"retrainShare", priors::kRetrainShare},
                                    {"training", trainingInputs(settings)},
                                    {"validation", juryInputs(ingested)},
                                    {"poseFit", fieldsJson(settings.poseFit)},
                                    {"framesOfAKind", kFramesOfAKind}};
-    DPL_TRY(const StageOutput stage, run.chain.run("evidence", 10, inputs, [&](StageContext& context) -> Status {
+    DPL_TRY(const StageOutput stage, run.chain.run("evidence", 11, inputs, [&](StageContext& context) -> Status {
         DPL_TRY(const AssembledAvatar* assembled, trained.get());
         DPL_TRY(const Jury jury, chooseJury(ingested, body, registered, training, *assembled, pictures));
         return weigh(*assembled, jury, settings, run.jobs, context);

@@ -6,7 +6,6 @@
 
 #include "reconstruction/body/fit_body.h"
 #include "reconstruction/pipeline/preset.h"
-#include "reconstruction/priors.h"
 #include "reconstruction/registration/register_frames.h"
 #include "reconstruction/splat/settings_fields.h"
 #include "reconstruction/surface/fit_surface.h"
@@ -52,8 +51,6 @@ nlohmann::json fieldsJson(const Settings& settings) {
 /** The inputs of training. With a time budget the number of steps is a result, so the budget takes its place. */
 inline nlohmann::json trainingInputs(const RunSettings& settings) {
     nlohmann::json out = fieldsJson(settings.training);
-    out["pictureTrust"] = priors::kTrainedPictureTrust;
-    out["seenShare"] = priors::kSeenShare;
     if (settings.timeBudgetMinutes > 0) {
         out.erase("steps");
         out["budgetMinutes"] = settings.timeBudgetMinutes;

@@ -110,10 +110,19 @@ std::string summaryOf(const ReportData& data, size_t splats, size_t bytes) {
     return text;
 }
 
-/** Hashes of the files that only the report reads: the truth with its surfaces, and pictures at other sizes. */
+/** Hashes of the labels of frames that were not trained on: the floors and the figures of fine detail read them. */
+nlohmann::json scoredLabels(const IngestedScan& ingested) {
+    nlohmann::json out = nlohmann::json::array();
+    for (size_t f = 0; f < ingested.scan.frames.size(); ++f)
+        if (ingested.scan.frames[f].split != Split::Train) out.push_back({ingested.scan.frames[f].name, ingested.hashes[f].labels});
+    return out;
+}
+
+/** Hashes of the files that the report reads itself: the truth with its surfaces, what scan.json says of them, and pictures at other sizes.
+ */
 nlohmann::json measuringFiles(const std::filesystem::path& scan) {
     namespace fs = std::filesystem;
-    std::vector<fs::path> files{scan / "truth.json"};
+    std::vector<fs::path> files{scan / "truth.json", scan / "scan.json"};
     std::error_code error;
     for (const char* folder : {"hires", "geometry", "posed"})
         for (const fs::directory_entry& entry : fs::recursive_directory_iterator(scan / folder, error)) files.push_back(entry.path());
@@ -131,8 +140,12 @@ nlohmann::json measuringFiles(const std::filesystem::path& scan) {
 Result<StageOutput> runReport(const StageRun& run, const IngestedScan& ingested, const FittedBody& body,
                               const std::vector<EvidenceData>& decided, const Training& training, const Package& package,
                               const FoundPoses& found, const MappedBody& mapped, Pictures& pictures, const RunSettings& settings) {
-    const nlohmann::json inputs = {{"pose_fit", found.key}, {"map", mapped.key}, {"measuring", measuringFiles(ingested.scan.root)}};
-    return run.chain.run("report", 10, inputs, [&](StageContext& context) -> Status {
+    const nlohmann::json inputs = {{"pose_fit", found.key},
+                                   {"map", mapped.key},
+                                   {"labels", scoredLabels(ingested)},
+                                   {"verdict", ingested.verdict + ingested.validation},
+                                   {"measuring", measuringFiles(ingested.scan.root)}};
+    return run.chain.run("report", 11, inputs, [&](StageContext& context) -> Status {
         DPL_TRY(AvatarData avatar, readAvatar(package.bytes));
         DPL_TRY(AvatarInfo info, inspectAvatar(package.bytes));
         ReportData data;

@@ -43,6 +43,15 @@ TEST_F(Stages, runsOnceAndIsReusedUntilItsInputsChange) {
     EXPECT_NE(second->key, first->key);
 }
 
+TEST_F(Stages, thePriorsAreInEveryKey) {
+    const auto done = runOnce({{"a", 1}}, [](StageContext&) { return Status{}; });
+    ASSERT_TRUE(done);
+    const auto bytes = readFile(done->folder / "manifest.json");
+    ASSERT_TRUE(bytes);
+    const auto manifest = json::parse(bytes->begin(), bytes->end());
+    EXPECT_EQ(manifest["inputs"]["priors"].get<std::string>().size(), 64u) << "SHA-256 of their values";
+}
+
 TEST_F(Stages, anOlderLayoutIsNamedAndKept) {
     for (const char* name : {"stages/01-ingest", "stages/03-body-fit", "stages/ingest"})
         std::filesystem::create_directories(folder_ / name);
