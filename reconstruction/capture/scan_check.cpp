@@ -113,9 +113,16 @@ private:
         for (size_t i : empty) measures_[i].check.usable = false;
         if (!without.empty() && without.size() == train.size())
             find(false, "masks", "the scan has no masks; add masks/, or run tools/models once, so that networks find the person");
-        else if (!without.empty())
-            find(false, "masks", formatText("{} frames have no mask; add them or those frames help little", without.size()),
-                 names(without));
+        else if (!without.empty()) {
+            for (size_t i : without) measures_[i].check.usable = false;
+            find(false, "masks", formatText("{} frames have no mask and are left out; add their masks", without.size()), names(without));
+        }
+        std::vector<std::string> notScored;
+        for (const ScanFrame& frame : scan_.frames)
+            if (frame.split == Split::Test && frame.maskPath.empty()) notScored.push_back(frame.name);
+        if (!notScored.empty() && without.size() < train.size())
+            find(false, "masks", formatText("{} held-out pictures have no mask and are not scored; add their masks", notScored.size()),
+                 notScored);
         const bool found = std::all_of(empty.begin(), empty.end(), [&](size_t i) { return scan_.frames[i].maskFound; });
         if (!empty.empty())
             find(

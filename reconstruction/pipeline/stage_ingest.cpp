@@ -93,13 +93,14 @@ Result<IngestedScan> runIngest(const StageRun& run, const std::filesystem::path&
                     "has not run");
     }
     // Before cameras are sought, which takes minutes.
-    if (const auto& frames = ingested.scan.frames;
-        std::all_of(frames.begin(), frames.end(), [](const ScanFrame& frame) { return frame.keypointsPath.empty(); }))
-        return refuse(run, {"ingest"},
-                      fail(Code::InvalidArgument,
-                           "{} brings no keypoints: run tools/models once, which fetches networks that find them, or add keypoints files "
-                           "(docs/formats/scan.md)",
-                           folder.string()));
+    for (const auto& [what, path] : {std::pair("keypoints", &ScanFrame::keypointsPath), std::pair("masks", &ScanFrame::maskPath)})
+        if (std::all_of(ingested.scan.frames.begin(), ingested.scan.frames.end(),
+                        [path = path](const ScanFrame& frame) { return (frame.*path).empty(); }))
+            return refuse(run, {"ingest"},
+                          fail(Code::InvalidArgument,
+                               "{} brings no {}: run tools/models once, which fetches networks that find them, or add {} files "
+                               "(docs/formats/scan.md)",
+                               folder.string(), what, what));
     if (!ingested.scan.camerasKnown) {
         DPL_TRY(ingested.scan, runCameras(run, ingested.scan));
     } else {

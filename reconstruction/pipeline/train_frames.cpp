@@ -47,7 +47,8 @@ Result<FrameSet> framesOf(const IngestedScan& ingested, Split split, std::span<c
                           Pictures& pictures) {
     FrameSet set;
     for (size_t f = 0; f < ingested.scan.frames.size(); ++f) {
-        if (split == Split::Train ? !isTrainingFrame(ingested, f) : ingested.scan.frames[f].split != split) continue;
+        const ScanFrame& scanned = ingested.scan.frames[f];
+        if (split == Split::Train ? !isTrainingFrame(ingested, f) : scanned.split != split || scanned.maskPath.empty()) continue;
         DPL_TRY(TrainFrame frame, frameAt(ingested, f, cameras[f], poses[f], pictures));
         set.frames.push_back(std::move(frame));
         set.indices.push_back(f);

@@ -61,7 +61,8 @@ struct FrameSet {
 /** Frame `index` of the scan with its picture, and with the given camera (metres) and pose. */
 Result<TrainFrame> frameAt(const IngestedScan& ingested, size_t index, const Camerad& camera, const Pose& pose, Pictures& pictures);
 
-/** All frames of a split; of the training split only usable ones. cameras (metres) and poses: one a frame of the scan. */
+/** All frames of a split; of the training split only usable ones, of the others those with a mask. cameras (metres) and poses: one a frame
+ * of the scan. */
 Result<FrameSet> framesOf(const IngestedScan& ingested, Split split, std::span<const Camerad> cameras, std::span<const Pose> poses,
                           Pictures& pictures);
 

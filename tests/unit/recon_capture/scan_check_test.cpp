@@ -144,6 +144,24 @@ TEST(ScanCheck, missingMasksAreFlaggedNotRefused) {
     EXPECT_TRUE(finding(c, "masks", false));
 }
 
+TEST(ScanCheck, framesWithoutAMaskAreLeftOutWhereOthersHaveOne) {
+    Spoiled s;
+    size_t heldOut = SIZE_MAX;
+    for (size_t i = 0; i < s.builder.manifest["frames"].size(); ++i) {
+        auto& frame = s.builder.manifest["frames"][i];
+        if (frame["split"] == "test") heldOut = i;
+    }
+    ASSERT_NE(heldOut, SIZE_MAX);
+    for (const size_t i : {size_t(1), heldOut}) s.builder.manifest["frames"][i].erase("mask");
+    const auto c = check(s.builder.write());
+    EXPECT_EQ(c.verdict, ScanVerdict::Usable);
+    EXPECT_FALSE(c.frames[1].usable);
+    EXPECT_TRUE(c.frames[2].usable);
+    ASSERT_TRUE(finding(c, "masks", false));
+    EXPECT_TRUE(mentions(describeScanCheck(*readScan(s.folder.path), c),
+                         {"1 frames have no mask and are left out", "1 held-out pictures have no mask"}));
+}
+
 TEST(ScanCheck, aTruncatedImageIsNamed) {
     Spoiled s;
     s.builder.write();

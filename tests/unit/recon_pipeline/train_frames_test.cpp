@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "reconstruction/pipeline/train_frames.h"
+#include "tests/unit/recon_pipeline/toy_reconstruction.h"
 
 namespace dpl {
 namespace {
@@ -40,6 +41,18 @@ TEST(TrainedPixel, isNotKnownWhereNoJointIsSeen) {
     EXPECT_EQ(trainedPixelM(pole(3), {}), 0);
     EXPECT_EQ(trainedPixelM(pole(3), {frameAt(-2, 0.2, 600, 3)}), 0) << "behind the camera";
     EXPECT_EQ(trainedPixelM(pole(3), {frameAt(2, 50, 100, 3)}), 0) << "beside the picture";
+}
+
+TEST(FramesOf, aHeldOutFrameWithoutAMaskIsNotScored) {
+    test::ToyReconstruction toy;
+    IngestedScan ingested = toy.ingested;
+    for (const size_t f : {5, 6, 7}) ingested.scan.frames[f].maskPath.clear();
+    Pictures pictures(ingested.scan);
+    const std::vector<Camerad> cameras(ingested.scan.frames.size(), ingested.scan.frames[0].camera);
+    const std::vector<Pose> poses(ingested.scan.frames.size(), Pose::rest(2));
+    const auto set = framesOf(ingested, Split::Test, cameras, poses, pictures);
+    ASSERT_TRUE(set) << set.error().message;
+    EXPECT_TRUE(set->frames.empty());
 }
 
 TEST(TrainedPixel, followsTheRoot) {
