@@ -10,10 +10,10 @@
 #include "apps/shared/checks.h"
 #include "apps/shared/pictures.h"
 #include "apps/shared/video_writer.h"
-#include "reconstruction/capture/scan.h"
 #include "reconstruction/image/image_codec.h"
 #include "reconstruction/package/avatar_bytes.h"
-#include "reconstruction/package/poses_file.h"
+#include "reconstruction/pipeline/run_scan.h"
+#include "reconstruction/pipeline/train_frames.h"
 #include "sdk/core/files.h"
 
 namespace dpl {
@@ -58,38 +58,29 @@ Status makeFolder(const fs::path& folder) {
     return {};
 }
 
-/** --scan: one PNG with straight alpha per frame, named like the frame, from the scan's own camera and the pose found for it.
+/** --scan: one PNG with straight alpha per frame, named like the frame, from the camera of the reconstruction and the pose found for it.
  *  Returns their number. */
 Result<size_t> renderScan(const RenderOptions& options, const doppel::Context& context, doppel::Avatar& avatar, Progress& progress) {
-    DPL_TRY(Scan scan, readScan(options.scan));
     const fs::path posesPath = options.poses.empty() ? options.avatar.parent_path() / "poses.json" : options.poses;
-    DPL_TRY(PosesFile poses, readPosesFile(posesPath));
+    DPL_TRY(const RunScan run, readRunScan(options.scan, posesPath));
     DPL_CHECK_OK(makeFolder(options.out));
-    const auto poseOf = [&poses](const ScanFrame& frame) {
-        return std::find_if(poses.frames.begin(), poses.frames.end(), [&](const FramePose& p) { return p.name == frame.name; });
-    };
-    std::vector<const ScanFrame*> frames;
-    for (const ScanFrame& frame : scan.frames) {
-        const auto found = poseOf(frame);  // its split tells training frames from those that were set aside for validation
-        if (options.split == "all" || found == poses.frames.end() || found->split == options.split) frames.push_back(&frame);
-    }
+    std::vector<size_t> frames;
+    for (size_t f = 0; f < run.scan.frames.size(); ++f)
+        if (options.split == "all" || splitName(run.scan.frames[f].split) == options.split) frames.push_back(f);
     if (frames.empty()) return fail(Code::NotFound, "{} has no frames of split '{}'", posesPath.string(), options.split);
     progress.beginStage("render");
     for (size_t i = 0; i < frames.size(); ++i) {
         if (progress.cancelled()) return fail(Code::Cancelled, "stopped after {} of {} frames", i, frames.size());
-        const auto found = poseOf(*frames[i]);
-        if (found == poses.frames.end())
-            return fail(Code::NotFound, "{} has no pose for frame {}; name the poses.json of this scan with --poses", posesPath.string(),
-                        frames[i]->name);
-        const Pose& pose = found->fittedPose && !options.unfitted ? *found->fittedPose : found->pose;
+        const FramePose& found = run.poses.frames[frames[i]];
+        const Pose& pose = found.fittedPose && !options.unfitted ? *found.fittedPose : found.pose;
         static_assert(sizeof(Quatf) == 4 * sizeof(float), "GLM keeps quaternions as xyzw");
         if (auto set = avatar.setPose({&pose.localRotations[0].x, pose.localRotations.size() * 4}, {&pose.rootTranslation.x, 3}); !set)
             return fromSdk(set.error());
-        const Cameraf camera = frames[i]->camera.scaled(options.scale).cast<float>();
+        const Cameraf camera = run.cameras[frames[i]].scaled(options.scale).cast<float>();
         const DplAvatar row[1] = {avatar.handle()};
         DPL_TRY(auto pixels, drawViews(context, row, {&camera, 1}));
-        DPL_CHECK_OK(writePng(options.out / (frames[i]->name + ".png"), pixels[0], camera.widthPx, camera.heightPx, 4));
-        progress.update(double(i + 1) / double(frames.size()), frames[i]->name);
+        DPL_CHECK_OK(writePng(options.out / (found.name + ".png"), pixels[0], camera.widthPx, camera.heightPx, 4));
+        progress.update(double(i + 1) / double(frames.size()), found.name);
     }
     progress.endStage(formatText("{} pictures in {}", frames.size(), options.out.string()));
     return frames.size();

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// poses.json: the poses that a reconstruction found for the frames of its scan. With it anyone can draw the frames and score the pictures.
+// poses.json: the poses that a reconstruction found for the frames of its scan (docs/formats/poses.md).
 #pragma once
 
 #include <filesystem>

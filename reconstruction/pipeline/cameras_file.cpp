@@ -74,6 +74,14 @@ std::string camerasToJson(const FoundCameras& found) {
     return out.dump(1);
 }
 
+FoundCameras camerasOf(const Scan& scan) {
+    FoundCameras found;
+    found.metric = scan.metricWorld;
+    if (!scan.frames.empty()) found.lens = scan.frames[0].lens;
+    for (const ScanFrame& frame : scan.frames) found.cameras.push_back({frame.name, frame.camera});
+    return found;
+}
+
 Result<FoundCameras> readCamerasFile(const std::filesystem::path& path) {
     DPL_TRY(const auto bytes, readFile(path, 64 << 20));
     const json file = json::parse(bytes.begin(), bytes.end(), nullptr, false);

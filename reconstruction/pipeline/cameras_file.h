@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// cameras.json: what the stage `cameras` found. Cameras are in Doppel's world (+Y up); docs/reference/cameras.md lists the fields.
+// cameras.json: what the stage `cameras` found. Cameras are in Doppel's world (+Y up); docs/formats/poses.md lists the fields.
 #pragma once
 
 #include <filesystem>
@@ -28,6 +28,9 @@ struct FoundCameras {
 };
 
 std::string camerasToJson(const FoundCameras& found);
+
+/** The cameras of a scan, as withCameras() takes them. All frames have the first one's lens. */
+FoundCameras camerasOf(const Scan& scan);
 
 /** Checks every camera. Errors name the file. */
 Result<FoundCameras> readCamerasFile(const std::filesystem::path& path);

@@ -1,39 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "reconstruction/pipeline/evaluate.h"
 
-#include <algorithm>
 #include <cstdio>
 
-#include "reconstruction/body/fit_body.h"
 #include "reconstruction/ladder/ladder.h"
 #include "reconstruction/package/avatar_bytes.h"
 #include "reconstruction/pipeline/frame_scores.h"
+#include "reconstruction/pipeline/run_scan.h"
 #include "reconstruction/report/published_score.h"
 #include "sdk/format/avatar_file.h"
 
 namespace dpl {
 namespace {
-
-/** The poses in the order of the scan's frames. Also sets the frames' splits to those of the reconstruction. */
-Result<PosesFile> posesOf(Scan& scan, const AvatarData& avatar, const std::filesystem::path& path) {
-    DPL_TRY(const PosesFile all, readPosesFile(path));
-    if (all.jointNames.size() != avatar.joints.size())
-        return fail(Code::InvalidArgument, "{} poses {} joints, the avatar has {}; name the poses.json of its reconstruction with --poses",
-                    path.string(), all.jointNames.size(), avatar.joints.size());
-    if (!scan.metricWorld && all.metresPerUnit == 0)
-        return fail(Code::Unsupported, "{} does not say how long a unit of the scan's cameras is; run doppel reconstruct again",
-                    path.string());
-    PosesFile poses{all.jointNames, all.metresPerUnit, {}};
-    for (ScanFrame& frame : scan.frames) {
-        const auto found = std::find_if(all.frames.begin(), all.frames.end(), [&](const FramePose& p) { return p.name == frame.name; });
-        if (found == all.frames.end())
-            return fail(Code::NotFound, "{} has no pose for frame {}; name the poses.json of this scan with --poses", path.string(),
-                        frame.name);
-        if (found->split == "validation" && frame.split == Split::Train) frame.split = Split::Validation;
-        poses.frames.push_back(*found);
-    }
-    return poses;
-}
 
 /** The scores of the held-out frames by the protocol that the scan states, as a line. Poses are those fitted to the frames. */
 Result<std::string> publishedLine(const Scan& scan, const FrameSet& heldOut, AvatarView& view, const PosesFile& poses, const Lpips* lpips,
@@ -62,8 +40,12 @@ Result<std::string> publishedLine(const Scan& scan, const FrameSet& heldOut, Ava
 }  // namespace
 
 Result<std::string> evaluateAvatar(const EvaluateOptions& options, Progress& progress) {
+    const std::filesystem::path posesPath = options.poses.empty() ? options.avatar.parent_path() / "poses.json" : options.poses;
     IngestedScan ingested;
-    DPL_TRY(ingested.scan, readScan(options.scan));
+    DPL_TRY(RunScan shown, readRunScan(options.scan, posesPath));
+    ingested.scan = std::move(shown.scan);
+    const PosesFile& poses = shown.poses;
+    const std::vector<Camerad>& cameras = shown.cameras;
     if (!options.lpips.empty() && ingested.scan.protocol.empty())
         return fail(Code::InvalidArgument, "{} states no published protocol, so LPIPS has no use; leave --lpips out",
                     options.scan.string());
@@ -74,13 +56,11 @@ Result<std::string> evaluateAvatar(const EvaluateOptions& options, Progress& pro
     ingested.usable.assign(ingested.scan.frames.size(), true);
     DPL_TRY(const auto bytes, readAvatarBytes(options.avatar));
     DPL_TRY(const AvatarData avatar, readAvatar(bytes));
-    DPL_TRY(const PosesFile poses,
-            posesOf(ingested.scan, avatar, options.poses.empty() ? options.avatar.parent_path() / "poses.json" : options.poses));
-    std::vector<Camerad> cameras;
+    if (poses.jointNames.size() != avatar.joints.size())
+        return fail(Code::InvalidArgument, "{} poses {} joints, the avatar has {}; name the poses.json of its reconstruction with --poses",
+                    posesPath.string(), poses.jointNames.size(), avatar.joints.size());
     std::vector<Pose> registered;
-    for (size_t f = 0; f < ingested.scan.frames.size(); ++f)
-        cameras.push_back(metricCamera(ingested.scan.frames[f].camera, ingested.scan.metricWorld ? 1 : poses.metresPerUnit)),
-            registered.push_back(poses.frames[f].pose);
+    for (const FramePose& frame : poses.frames) registered.push_back(frame.pose);
     Jobs jobs(options.threadCount);
     Pictures pictures(ingested.scan);
     const auto tell = [&](double share, const std::string& what) {
@@ -97,6 +77,9 @@ Result<std::string> evaluateAvatar(const EvaluateOptions& options, Progress& pro
         DPL_TRY(const FrameSet set, framesOf(ingested, split, cameras, registered, pictures));
         DPL_TRY(*frames, scoreFrames(labelColours, set, avatar, view, poses, split == Split::Test, jobs, tell));
     }
+    if (data.frames.empty() && data.validation.empty())
+        return fail(Code::NotFound, "{} has no mask of a held-out or validation frame, and scores are taken inside masks; add their masks",
+                    options.scan.string());
     std::string summary = scoreLines(data.frames, "held-out") + scoreLines(data.validation, "validation");
     if (!ingested.scan.protocol.empty()) {
         DPL_TRY(const FrameSet heldOut, framesOf(ingested, Split::Test, cameras, registered, pictures));

@@ -4,7 +4,9 @@
 #include <functional>
 
 #include "reconstruction/import/folder_lock.h"
+#include "reconstruction/pipeline/cameras_file.h"
 #include "reconstruction/pipeline/import_scan.h"
+#include "reconstruction/pipeline/run_scan.h"
 #include "reconstruction/pipeline/stages.h"
 #include "reconstruction/pipeline/verdict_file.h"
 #include "sdk/core/files.h"
@@ -51,6 +53,14 @@ Result<T> runFromScan(const ReconstructOptions& options, Progress& progress,
     return rest(run, ingested, body);
 }
 
+/** Leaves the cameras that the scan does not have beside the poses; removes those of an earlier run. */
+Status writeCameras(const IngestedScan& ingested, const std::filesystem::path& path) {
+    if (ingested.camerasFound) return writeFileAtomically(path, camerasToJson(camerasOf(ingested.scan)));
+    std::error_code ignored;
+    std::filesystem::remove(path, ignored);
+    return {};
+}
+
 }  // namespace
 
 Result<ReconstructResult> reconstructFrom(const StageRun& run, const IngestedScan& ingested, const FittedBody& body,
@@ -75,6 +85,7 @@ Result<ReconstructResult> reconstructFrom(const StageRun& run, const IngestedSca
     DPL_TRY(const FoundPoses found, runPoseFit(run, ingested, body, registered, training, package, pictures, settings));
     DPL_TRY(const auto posesBytes, readFile(found.file));
     DPL_CHECK_OK(writeFileAtomically(paths.poses, posesBytes));
+    DPL_CHECK_OK(writeCameras(ingested, camerasBeside(paths.poses)));
     DPL_TRY(const StageOutput report,
             runReport(run, ingested, body, dressed.decided, training, package, found, mapped, pictures, settings));
     for (const char* name : {"report.html", "report.json"}) {

@@ -103,8 +103,12 @@ Result<IngestedScan> runIngest(const StageRun& run, const std::filesystem::path&
                                folder.string(), what, what));
     if (!ingested.scan.camerasKnown) {
         DPL_TRY(ingested.scan, runCameras(run, ingested.scan));
+        ingested.camerasFound = true;
     } else {
+        const std::vector<FrameHashes> noFiles(ingested.scan.frames.size());
+        const json given = posedInputs(ingested.scan, noFiles);
         DPL_TRY(ingested.scan, runCameraRepair(run, ingested.scan));
+        ingested.camerasFound = posedInputs(ingested.scan, noFiles) != given;
     }
     if (!observations.empty()) {
         DPL_TRY(ingested.scan, runCloseups(run, std::move(ingested.scan), observations));

@@ -27,6 +27,7 @@ struct IngestedScan {
     std::string verdict;              // result of the check, several lines
     std::string validation;           // what was set aside for validation, one sentence
     std::string check;                // result of the check as a JSON object; empty: none
+    bool camerasFound = false;        // the scan's cameras were found or repaired by this run
 };
 
 /** The kind's name in scan.json and poses.json. */

@@ -6,6 +6,8 @@
 #include <cstdio>
 
 #include "reconstruction/import/write_scan.h"
+#include "reconstruction/pipeline/cameras_file.h"
+#include "reconstruction/pipeline/run_scan.h"
 #include "tests/unit/recon_pipeline/toy_reconstruction.h"
 #include "tests/unit/recon_report/naive_scores.h"
 
@@ -88,6 +90,16 @@ TEST_F(Evaluate, withoutAProtocolThereAreOnlyOurFigures) {
     const auto refused = evaluateAvatar(options, toy.progress);
     ASSERT_FALSE(refused);
     EXPECT_NE(refused.error().message.find("leave --lpips out"), std::string::npos);
+}
+
+TEST_F(Evaluate, camerasThatTheRunRepairedStandInForTheScans) {
+    const std::string right = must(evaluateAvatar(options, toy.progress));
+    for (ScanFrame& frame : toy.ingested.scan.frames) frame.camera.cx += 30;  // what the scan on disk says is wrong from here on
+    FoundCameras repaired = camerasOf(must(readScan(options.scan)));
+    writeScanOf("neuman");
+    EXPECT_NE(must(evaluateAvatar(options, toy.progress)), right);
+    must_(writeFileAtomically(camerasBeside(toy.folder / "poses.json"), camerasToJson(repaired)));
+    EXPECT_EQ(must(evaluateAvatar(options, toy.progress)), right);
 }
 
 TEST_F(Evaluate, posesOfOlderFilesWithoutAScaleAreRefused) {
