@@ -289,11 +289,15 @@ void CoOptimiser::State::updateSplats(uint32_t frame) {
         addSplatRegularisers(splats, referenceSizeM, active, settings.regularise, begin, end, rows);
         for (size_t i = begin; i < end; ++i) {
             if (!active[i]) continue;
-            if (counts) statistics.gradientSum[i] += length[i] * halfHeight, ++statistics.seen[i];
             float* row = rows.data() + i * splats.stride;
-            float sum = 0;
-            for (uint32_t k = 0; k < splats.stride; ++k) sum += row[k];
-            if (!std::isfinite(sum)) std::fill_n(row, splats.stride, 0.0f);
+            float squares = 0;  // Adam keeps them
+            for (uint32_t k = 0; k < splats.stride; ++k) squares += row[k] * row[k];
+            if (!std::isfinite(squares)) {
+                std::fill_n(row, splats.stride, 0.0f);
+                continue;
+            }
+            const float screen = length[i] * halfHeight;
+            if (counts && std::isfinite(screen)) statistics.gradientSum[i] += screen, ++statistics.seen[i];
         }
         learned.layer.adam.update(begin, end, active, rows, rate, splats.rows);
         splats.activate(begin, end, active);

@@ -3,6 +3,7 @@
 
 #include <Eigen/Dense>
 #include <algorithm>
+#include <cmath>
 #include <numeric>
 
 #include "reconstruction/splat/rotation_vector.h"
@@ -57,13 +58,19 @@ void stepPose(Pose& pose, AdamVector& adam, const PoseGradient<double>& gradient
     for (size_t k = 0; k < joints.size(); ++k)
         for (int a = 0; a < 3; ++a) slope[3 * k + size_t(a)] = gradient.rotation[joints[k]][a];
     for (int a = 0; a < 3; ++a) slope[turns + size_t(a)] = gradient.rootTranslation[a], rate[turns + size_t(a)] = rates.translation;
+    // Adam keeps squares, and a moment that is not finite would stay so.
+    if (!std::all_of(slope.begin(), slope.end(), [](double g) { return std::isfinite(g * g); })) return;
     const std::vector<double> step = adam.step(slope, rate);
+    Pose moved = pose;
     for (size_t k = 0; k < joints.size(); ++k) {
-        Quatf& rotation = pose.localRotations[joints[k]];
+        Quatf& rotation = moved.localRotations[joints[k]];
         rotation = Quatf(glm::normalize(turnQuaternion({-step[3 * k], -step[3 * k + 1], -step[3 * k + 2]}) * Quatd(rotation)));
     }
-    for (int a = 0; a < 3; ++a) pose.rootTranslation[a] -= float(step[turns + size_t(a)]);
-    if (!pull.precision || !(pull.lossPerNat > 0)) return;
+    for (int a = 0; a < 3; ++a) moved.rootTranslation[a] -= float(step[turns + size_t(a)]);
+    if (!pull.precision || !(pull.lossPerNat > 0)) {
+        pose = std::move(moved);
+        return;
+    }
 
     // (M + sH) d = M d' with Adam's metric M = diag(√v̂/r).
     const Eigen::Index n = Eigen::Index(pull.precision->size());
@@ -73,8 +80,8 @@ void stepPose(Pose& pose, AdamVector& adam, const PoseGradient<double>& gradient
     Eigen::MatrixXd system = pull.lossPerNat * Eigen::Map<const Matrix>(pull.precision->matrix.data(), n, n);
     system.diagonal() += metric;
     system.diagonal().array() += std::max(1e-30, 1e-12 * system.diagonal().maxCoeff());  // what neither the picture nor registration saw
-    const Eigen::VectorXd d = system.ldlt().solve(metric.cwiseProduct(deviation(pose, pull)));
-    if (!d.allFinite()) return;
+    const Eigen::VectorXd d = system.ldlt().solve(metric.cwiseProduct(deviation(moved, pull)));
+    if (!system.allFinite() || !d.allFinite()) return;  // LDLT takes a pivot that is not a number for zero
     for (size_t k = 0; k < joints.size(); ++k) {
         const Eigen::Index i = Eigen::Index(3 * k);
         pose.localRotations[joints[k]] = Quatf(

@@ -35,7 +35,8 @@ double lossPerNat(double loss, double personPx, double trust);
  *  stretches the root's translation along it by √times. times: above 0. */
 PosePrecision heldAlong(PosePrecision precision, const Vec3d& direction, double times);
 
-/** Moves `pose`. `gradient`: ∂loss/∂(left turn of each joint, translation of the root). */
+/** Moves `pose`. `gradient`: ∂loss/∂(left turn of each joint, translation of the root). Where it is not finite, or its square is not,
+ *  pose and moments stay; where the pull has no finite solution, the pose stays. */
 void stepPose(Pose& pose, AdamVector& adam, const PoseGradient<double>& gradient, const PoseRates& rates, const PosePull& pull);
 
 /** ½ dᵀHd of a pose, nats. */

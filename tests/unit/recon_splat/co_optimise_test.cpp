@@ -198,6 +198,20 @@ TEST(CoOptimise, aCheckpointWhoseFieldsDoNotFitIsRefusedAndChangesNothing) {
     EXPECT_TRUE(t->restore(path)) << "the header that this test writes is a good one";
 }
 
+TEST(CoOptimise, hugeGradientsLeaveTheStateFinite) {
+    // The loss stays finite at this weight; squares of gradients and the lengths of those on the screen do not.
+    Jobs jobs(2);
+    CoOptimiseSettings s = toySettings(16);
+    s.loss.l1 = 1e32f;
+    s.learnGeometry = s.learnCorrectives = s.densify = false;
+    auto t = make(jobs, s);
+    ASSERT_TRUE(t->run({}, nullptr, 8));
+    const auto path = scratch("trainer_huge.checkpoint");
+    ASSERT_TRUE(t->checkpoint(path));
+    const Status restored = make(jobs, s)->restore(path);
+    EXPECT_TRUE(restored) << restored.error().message;
+}
+
 TEST(CoOptimise, posesAreFoundAgain) {
     // In every frame the subject is 8 mm and 3 degrees off the given pose. Learning the poses must improve the picture.
     Jobs jobs(2);

@@ -117,6 +117,44 @@ TEST(PoseStep, jointsThatRegistrationDoesNotTurnStay) {
     EXPECT_NE(pose.localRotations[2], from.localRotations[2]);
 }
 
+TEST(PoseStep, aGradientThatIsNotFiniteChangesNothing) {
+    const PosePrecision precision = somePrecision();
+    const Pose from = Pose::rest(3);
+    for (const double bad : {double(NAN), double(INFINITY), 1e200}) {
+        for (const size_t place : {size_t(0), size_t(1)}) {
+            Pose pose = from;
+            AdamVector adam;
+            PoseGradient<double> g;
+            g.rotation.assign(3, Vec3d(1e-3));
+            const PosePull pull{from, &precision, 1e-6};
+            stepPose(pose, adam, g, {1e-2, 1e-2}, pull);
+            const Pose before = pose;
+            const AdamVector moments = adam;
+            (place == 0 ? g.rotation[2].y : g.rootTranslation.z) = bad;
+            stepPose(pose, adam, g, {1e-2, 1e-2}, pull);
+            EXPECT_EQ(pose.localRotations, before.localRotations);
+            EXPECT_EQ(pose.rootTranslation, before.rootTranslation);
+            EXPECT_EQ(adam.first, moments.first);
+            EXPECT_EQ(adam.second, moments.second);
+            EXPECT_EQ(adam.steps, moments.steps);
+        }
+    }
+}
+
+TEST(PoseStep, aPullWithoutAFiniteSolutionLeavesThePose) {
+    PosePrecision precision = somePrecision();
+    precision.matrix[0] = NAN;
+    const Pose from = Pose::rest(3);
+    Pose pose = from;
+    AdamVector adam;
+    PoseGradient<double> g;
+    g.rotation.assign(3, Vec3d(1e-3));
+    g.rootTranslation = Vec3d(1e-3);
+    stepPose(pose, adam, g, {1e-2, 1e-2}, {from, &precision, 1e-6});
+    EXPECT_EQ(pose.localRotations, from.localRotations);
+    EXPECT_EQ(pose.rootTranslation, from.rootTranslation);
+}
+
 TEST(PoseStep, aStepOnlyRefinesWhatRegistrationFound) {
     // Registered poses are true; the splats start elsewhere, so that free poses follow them.
     Jobs jobs(2);
