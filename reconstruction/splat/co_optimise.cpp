@@ -202,10 +202,12 @@ Camerad CoOptimiser::State::cameraOf(uint32_t frame) const {
 
 Status CoOptimiser::State::stepOnce() {
     const auto start = std::chrono::steady_clock::now();
-    selectLevel();
     LearnedLayer& layer = learned.layer;
     LossSums& sums = learned.sums;
     uint32_t& step = learned.step;
+    const auto lastEpoch = uint32_t(std::min<size_t>(settings.steps, usedFrames.size()));
+    if (step + lastEpoch == settings.steps) pass.times = {}, profile = {};
+    selectLevel();
     const uint32_t frame = frameOf(step);
     const TrainFrame& f = input.frames[frame];
     LossWeights weights = settings.loss;
@@ -254,8 +256,6 @@ Status CoOptimiser::State::stepOnce() {
         learned.curve.push_back(recentPoint());
         sums = {};
     }
-    const auto lastEpoch = uint32_t(std::min<size_t>(settings.steps, usedFrames.size()));
-    if (step + lastEpoch == settings.steps + 1) pass.times = {}, profile = {};
     profile.updateMs += millisecondsSince(update), profile.stepMs += millisecondsSince(start), ++profile.steps;
     if (step + lastEpoch > settings.steps)  // the time of counting is not in stepMs
         profile.pairs += double(countPixelSplatPairs(pass.engine(), pass.image().widthPx, pass.image().heightPx));

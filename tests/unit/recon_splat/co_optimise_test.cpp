@@ -212,6 +212,20 @@ TEST(CoOptimise, hugeGradientsLeaveTheStateFinite) {
     EXPECT_TRUE(restored) << restored.error().message;
 }
 
+TEST(CoOptimise, theProfileHoldsAllPartsOfTheStepsThatItCounts) {
+    Jobs jobs(1);
+    CoOptimiseInput input = toyScene(jobs, 8);
+    input.frames.resize(1);  // so the last epoch is one step
+    auto t = CoOptimiser::create(std::move(input), toySettings(2), jobs);
+    ASSERT_TRUE(t && (*t)->run());
+    const StepProfile p = (*t)->result().profile;
+    EXPECT_EQ(p.steps, 1u);
+    EXPECT_GT(p.partsMs.blend, 0);
+    EXPECT_GT(p.partsMs.pixels, 0);
+    EXPECT_GT(p.forwardNsPerPair, 0);
+    EXPECT_LE(p.partsMs.blend + p.partsMs.pixels + p.updateMs, p.stepMs);
+}
+
 TEST(CoOptimise, posesAreFoundAgain) {
     // In every frame the subject is 8 mm and 3 degrees off the given pose. Learning the poses must improve the picture.
     Jobs jobs(2);
