@@ -34,25 +34,23 @@ std::optional<uint32_t> probedSteps(const std::filesystem::path& folder) {
     return uint32_t(std::max(1L, std::strtol(std::string(bytes->begin(), bytes->end()).c_str(), nullptr, 10)));
 }
 
-/** The number of steps that fits into the time budget, by timing a short probe run. The number is stored beside the checkpoint, so that a
- *  continued run uses the same one. */
-Result<uint32_t> stepsInBudget(const CoOptimiseInput& input, const RunSettings& settings, Jobs& jobs, const std::filesystem::path& folder) {
-    if (const auto steps = probedSteps(folder)) return *steps;
-    CoOptimiseSettings slowest = settings.training;
-    slowest.fullResolutionOnly = true;  // times the slowest steps, so that the run stays within the budget
-    DPL_TRY(auto probe, CoOptimiser::create(input, slowest, jobs));
+/** The number of steps that fits into the time budget, by timing a short probe run of the slowest steps. The number is stored beside the
+ *  checkpoint, so that a continued run uses the same one. */
+Result<uint32_t> stepsInBudget(const CoOptimiseInput& input, const RunSettings& settings, Jobs& jobs, const StageContext& context) {
+    if (const auto steps = probedSteps(context.folder)) return *steps;
+    DPL_TRY(auto probe, CoOptimiser::create(input, slowestSteps(settings.training), jobs));
     const auto start = std::chrono::steady_clock::now();
-    DPL_CHECK_OK(probe->run({}, nullptr, kProbeSteps));
+    DPL_CHECK_OK(probe->run({}, &context.progress.cancelFlag(), kProbeSteps));
     const double secondsPerStep = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count() / kProbeSteps;
     const uint32_t steps = uint32_t(std::clamp(settings.timeBudgetMinutes * 60 / secondsPerStep, 100.0, 1e6));
-    DPL_CHECK_OK(writeFileAtomically(folder / kStepsFile, std::to_string(steps)));
+    DPL_CHECK_OK(writeFileAtomically(context.folder / kStepsFile, std::to_string(steps)));
     return steps;
 }
 
 Status train(CoOptimiseInput input, const RunSettings& settings, Jobs& jobs, StageContext& context) {
     CoOptimiseSettings training = settings.training;
     if (settings.timeBudgetMinutes > 0) {
-        DPL_TRY(training.steps, stepsInBudget(input, settings, jobs, context.folder));
+        DPL_TRY(training.steps, stepsInBudget(input, settings, jobs, context));
     }
     DPL_TRY(auto optimiser, CoOptimiser::create(std::move(input), training, jobs));
     const std::filesystem::path checkpoint = context.folder / "checkpoint";

@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <gtest/gtest.h>
+
+#include <csignal>
+
+#include "tests/unit/recon_pipeline/toy_reconstruction.h"
+
+namespace dpl::test {
+namespace {
+
+namespace fs = std::filesystem;
+
+/** The smallest budget gives the fewest steps, a hundred, on any machine. */
+RunSettings withBudget() {
+    RunSettings settings = settingsOf({});
+    settings.training.init.splatCount = 300, settings.training.maxSplats = 400;
+    settings.timeBudgetMinutes = 1e-9;
+    return settings;
+}
+
+class StageCoOptimise : public testing::Test {
+protected:
+    StageCoOptimise() {
+        toy_.takePictures(toy_.avatar);
+        dressed_.clothed.mesh = toy_.avatar.mesh;
+        dressed_.key = "dressed";
+    }
+    Result<Training> train() {
+        Pictures pictures(toy_.ingested.scan);
+        return runCoOptimise(toy_.run, toy_.ingested, toy_.body, dressed_, toy_.registered, pictures, withBudget());
+    }
+
+    ToyReconstruction toy_;
+    DressedBody dressed_;
+    const fs::path folder_ = toy_.folder / "out" / "stages" / "co-optimise", work_ = folder_.string() + ".work";
+};
+
+TEST(SlowestSteps, haveFullSizeAndEverySplat) {
+    const CoOptimiseSettings given = settingsOf({}).training, slowest = slowestSteps(given);
+    ASSERT_LT(given.init.splatCount, given.maxSplats);
+    EXPECT_EQ(slowest.init.splatCount, given.maxSplats);
+    EXPECT_TRUE(slowest.fullResolutionOnly);
+    EXPECT_EQ(slowest.steps, given.steps);
+}
+
+TEST_F(StageCoOptimise, aStopIsHeardInTheProbe) {
+    GTEST_FLAG_SET(death_test_style, "threadsafe");  // a process of its own: the flag of Ctrl-C cannot be cleared
+    const auto stopped = [&] {
+        installSignalHandlers();
+        std::raise(SIGINT);
+        const auto training = train();
+        const bool cancelled = !training && training.error().code == Code::Cancelled;
+        const bool probed = fs::exists(work_ / "steps.txt");
+        fs::remove_all(toy_.folder);
+        std::_Exit(cancelled && !probed ? 0 : 1);
+    };
+    EXPECT_EXIT(stopped(), testing::ExitedWithCode(0), "");
+}
+
+}  // namespace
+}  // namespace dpl::test
