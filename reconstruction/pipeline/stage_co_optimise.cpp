@@ -102,9 +102,10 @@ Result<Training> runCoOptimise(const StageRun& run, const IngestedScan& ingested
     const MeshData& mesh = dressed.clothed.mesh;
     DPL_TRY(CoOptimiseResult result,
             readTrainedFile(stage.folder / "trained.bin", mesh.triangles.size(), mesh.restPositions.size(), body.shaped.joints.size()));
-    const uint32_t steps =
-        settings.timeBudgetMinutes > 0 ? probedSteps(stage.folder).value_or(settings.training.steps) : settings.training.steps;
-    return Training{std::move(result), steps, stage.key};
+    if (!(settings.timeBudgetMinutes > 0)) return Training{std::move(result), settings.training.steps, stage.key};
+    // The budget alone is in the stage's key, and another run of it may have fitted other steps in.
+    const uint32_t steps = probedSteps(stage.folder).value_or(settings.training.steps);
+    return Training{std::move(result), steps, hashText(stage.key + " " + std::to_string(steps))};
 }
 
 }  // namespace dpl

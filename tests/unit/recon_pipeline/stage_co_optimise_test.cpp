@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <csignal>
+#include <nlohmann/json.hpp>
 
 #include "tests/unit/recon_pipeline/toy_reconstruction.h"
 
@@ -30,6 +31,14 @@ protected:
         return runCoOptimise(toy_.run, toy_.ingested, toy_.body, dressed_, toy_.registered, pictures, withBudget());
     }
 
+    /** Makes the finished stage look as if the process had died after the last file of the work folder, before the manifest. */
+    void killBeforeTheManifest() {
+        const std::string key = nlohmann::json::parse(must(readFile(folder_ / "manifest.json")))["key"];
+        fs::rename(folder_, work_);
+        const std::string manifest = nlohmann::json{{"stage", "co-optimise"}, {"key", key}, {"finished", false}}.dump();
+        ASSERT_TRUE(writeFileAtomically(work_ / "manifest.json", manifest));
+    }
+
     ToyReconstruction toy_;
     DressedBody dressed_;
     const fs::path folder_ = toy_.folder / "out" / "stages" / "co-optimise", work_ = folder_.string() + ".work";
@@ -55,6 +64,19 @@ TEST_F(StageCoOptimise, aStopIsHeardInTheProbe) {
         std::_Exit(cancelled && !probed ? 0 : 1);
     };
     EXPECT_EXIT(stopped(), testing::ExitedWithCode(0), "");
+}
+
+TEST_F(StageCoOptimise, theStepsThatABudgetAllowedArePartOfTheKeyOfLaterStages) {
+    const Training first = must(train());
+    EXPECT_EQ(first.steps, 100u);
+    EXPECT_EQ(must(train()).key, first.key) << "read back";
+    killBeforeTheManifest();
+    fs::remove(work_ / "trained.bin");
+    ASSERT_TRUE(writeFileAtomically(work_ / "steps.txt", std::string("110")));  // as a faster machine allows
+    const Training second = must(train());
+    EXPECT_EQ(second.steps, 110u);
+    EXPECT_NE(second.key, first.key);
+    EXPECT_EQ(must(train()).key, second.key) << "read back";
 }
 
 }  // namespace
