@@ -25,7 +25,7 @@ Result<CoOptimiseInput> trainingInput(const FittedBody& body, const DressedBody&
     return input;
 }
 
-constexpr const char* kStepsFile = "steps.txt";
+constexpr const char *kStepsFile = "steps.txt", *kCheckpointFile = "checkpoint", *kTrainedFile = "trained.bin";
 
 /** The number of steps that a probe found for this run. None before it. */
 std::optional<uint32_t> probedSteps(const std::filesystem::path& folder) {
@@ -53,7 +53,7 @@ Status train(CoOptimiseInput input, const RunSettings& settings, Jobs& jobs, Sta
         DPL_TRY(training.steps, stepsInBudget(input, settings, jobs, context));
     }
     DPL_TRY(auto optimiser, CoOptimiser::create(std::move(input), training, jobs));
-    const std::filesystem::path checkpoint = context.folder / "checkpoint";
+    const std::filesystem::path checkpoint = context.folder / kCheckpointFile;
     if (std::filesystem::exists(checkpoint)) {
         if (Status restored = optimiser->restore(checkpoint); restored)
             context.progress.note(formatText("continuing at step {}", optimiser->step()));
@@ -76,10 +76,7 @@ Status train(CoOptimiseInput input, const RunSettings& settings, Jobs& jobs, Sta
         }
         DPL_CHECK_OK(ran);
     }
-    DPL_CHECK_OK(writeTrainedFile(optimiser->result(), context.folder / "trained.bin"));
-    std::error_code ignored;
-    std::filesystem::remove(checkpoint, ignored);
-    return {};
+    return writeTrainedFile(optimiser->result(), context.folder / kTrainedFile);
 }
 
 }  // namespace
@@ -91,17 +88,26 @@ Result<Training> runCoOptimise(const StageRun& run, const IngestedScan& ingested
                                    {"garments", dressed.key},
                                    {"register", registered.key},
                                    {"settings", trainingInputs(settings)}};
+    const MeshData& mesh = dressed.clothed.mesh;
+    const auto readTrained = [&](const std::filesystem::path& folder) {
+        return readTrainedFile(folder / kTrainedFile, mesh.triangles.size(), mesh.restPositions.size(), body.shaped.joints.size());
+    };
     DPL_TRY(const StageOutput stage, run.chain.run("co-optimise", 16, inputs, [&](StageContext& context) -> Status {
+        const auto dropCheckpoint = [&]() -> Status {
+            std::error_code ignored;
+            std::filesystem::remove(context.folder / kCheckpointFile, ignored);
+            return {};
+        };
+        if (readTrained(context.folder)) return dropCheckpoint();  // a run that was killed after its last file
         context.progress.update(0, "reading pictures");
         DPL_TRY(FrameSet set, framesOf(ingested, Split::Train, body.cameras, registered.poses, pictures));
         setPrecisions(set, registered.precisions);
         if (set.frames.empty()) return fail(Code::InvalidArgument, "no usable training frames");
         DPL_TRY(CoOptimiseInput input, trainingInput(body, dressed, std::move(set.frames)));
-        return train(std::move(input), settings, run.jobs, context);
+        DPL_CHECK_OK(train(std::move(input), settings, run.jobs, context));
+        return dropCheckpoint();
     }));
-    const MeshData& mesh = dressed.clothed.mesh;
-    DPL_TRY(CoOptimiseResult result,
-            readTrainedFile(stage.folder / "trained.bin", mesh.triangles.size(), mesh.restPositions.size(), body.shaped.joints.size()));
+    DPL_TRY(CoOptimiseResult result, readTrained(stage.folder));
     if (!(settings.timeBudgetMinutes > 0)) return Training{std::move(result), settings.training.steps, stage.key};
     // The budget alone is in the stage's key, and another run of it may have fitted other steps in.
     const uint32_t steps = probedSteps(stage.folder).value_or(settings.training.steps);

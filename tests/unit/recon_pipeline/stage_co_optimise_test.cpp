@@ -79,5 +79,28 @@ TEST_F(StageCoOptimise, theStepsThatABudgetAllowedArePartOfTheKeyOfLaterStages) 
     EXPECT_EQ(must(train()).key, second.key) << "read back";
 }
 
+TEST_F(StageCoOptimise, aKillBeforeTheManifestCostsNothing) {
+    const Training whole = must(train());
+    const auto bytes = must(readFile(folder_ / "trained.bin"));
+    killBeforeTheManifest();
+    ASSERT_TRUE(writeFileAtomically(work_ / "checkpoint", std::string("the last one")));
+    fs::remove_all(toy_.ingested.scan.root);  // training again would miss the pictures
+    const auto again = train();
+    ASSERT_TRUE(again) << again.error().message;
+    EXPECT_EQ(must(readFile(folder_ / "trained.bin")), bytes);
+    EXPECT_EQ(again->key, whole.key);
+    EXPECT_FALSE(fs::exists(folder_ / "checkpoint"));
+}
+
+TEST_F(StageCoOptimise, aDamagedResultOfAKilledRunIsMadeAgain) {
+    must(train());
+    const auto bytes = must(readFile(folder_ / "trained.bin"));
+    killBeforeTheManifest();
+    fs::resize_file(work_ / "trained.bin", bytes.size() / 2);
+    const auto again = train();
+    ASSERT_TRUE(again) << again.error().message;
+    EXPECT_EQ(must(readFile(folder_ / "trained.bin")).size(), bytes.size());
+}
+
 }  // namespace
 }  // namespace dpl::test
