@@ -92,7 +92,7 @@ Result<Training> runCoOptimise(const StageRun& run, const IngestedScan& ingested
     const auto readTrained = [&](const std::filesystem::path& folder) {
         return readTrainedFile(folder / kTrainedFile, mesh.triangles.size(), mesh.restPositions.size(), body.shaped.joints.size());
     };
-    DPL_TRY(const StageOutput stage, run.chain.run("co-optimise", 16, inputs, [&](StageContext& context) -> Status {
+    DPL_TRY(const StageOutput stage, run.chain.run("co-optimise", 17, inputs, [&](StageContext& context) -> Status {
         const auto dropCheckpoint = [&]() -> Status {
             std::error_code ignored;
             std::filesystem::remove(context.folder / kCheckpointFile, ignored);

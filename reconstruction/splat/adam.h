@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The Adam optimiser in three forms: sparse SIMD rows for splats, uniform steps for meshes (docs/reference/large-steps.md), short vectors
-// for poses and cameras.
+// for poses.
 #pragma once
 
 #include <cstdint>
@@ -37,7 +37,7 @@ struct AdamUniform {
     void update(std::span<const Vec3f> gradient, float rate, std::span<Vec3f> value);
 };
 
-/** Plain Adam on a short vector (a pose or a camera). */
+/** Plain Adam on a short vector (a pose). */
 struct AdamVector {
     std::vector<double> first, second;
     uint32_t steps = 0;

@@ -16,14 +16,12 @@ VertexIncidence::VertexIncidence(std::span<const Triangle> triangles, size_t ver
 }
 
 void backwardSkin(const MeshData& mesh, std::span<const Vec3f> rest, std::span<const JointData> joints,
-                  std::span<const Mat3x4f> worldFromRest, std::span<const Vec3f> posed, std::span<const Vec3f> gPosed,
-                  const Mat3f& viewRotation, const Vec3f& viewTranslation, Jobs& jobs, std::vector<Vec3f>& gRest,
+                  std::span<const Mat3x4f> worldFromRest, std::span<const Vec3f> gPosed, Jobs& jobs, std::vector<Vec3f>& gRest,
                   PoseGradient<double>& pose) {
     constexpr size_t kGrain = 2048;
     const size_t count = rest.size(), blocks = (count + kGrain - 1) / kGrain, jointCount = joints.size();
     gRest.resize(count);
     std::vector<JointWrench<float>> partial(blocks * jointCount);
-    std::vector<Vec3f> force(blocks, Vec3f(0)), torque(blocks, Vec3f(0));
     jobs.forBlocks(blocks, [&](size_t block, uint32_t) {
         JointWrench<float>* wrench = partial.data() + block * jointCount;
         for (size_t v = block * kGrain; v < std::min(count, (block + 1) * kGrain); ++v) {
@@ -35,23 +33,16 @@ void backwardSkin(const MeshData& mesh, std::span<const Vec3f> rest, std::span<c
             const glm::u8vec4 w8 = mesh.jointWeights[v];
             const float weights[4] = {float(w8.x) / 255.0f, float(w8.y) / 255.0f, float(w8.z) / 255.0f, float(w8.w) / 255.0f};
             gRest[v] = backwardSkinVertex(rest[v], g, mesh.jointIndices[v], weights, worldFromRest.data(), wrench);
-            const Vec3f gView = viewRotation * g, atView = viewRotation * posed[v] + viewTranslation;
-            force[block] += gView;
-            torque[block] += glm::cross(atView, gView);
         }
     });
     std::vector<JointWrench<double>> wrench(jointCount);
     std::vector<Mat3x4d> transforms(jointCount);
-    pose.cameraRotation = pose.cameraTranslation = Vec3d(0);
     for (size_t j = 0; j < jointCount; ++j) transforms[j] = Mat3x4d(worldFromRest[j]);
-    for (size_t block = 0; block < blocks; ++block) {
+    for (size_t block = 0; block < blocks; ++block)
         for (size_t j = 0; j < jointCount; ++j) {
             wrench[j].force += Vec3d(partial[block * jointCount + j].force);
             wrench[j].torque += Vec3d(partial[block * jointCount + j].torque);
         }
-        pose.cameraTranslation += Vec3d(force[block]);
-        pose.cameraRotation += Vec3d(torque[block]);
-    }
     backwardJoints<double>(joints, transforms, wrench, pose);
 }
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// From gradients on posed vertices to gradients on the rest mesh, the pose and the camera (docs/reference/binding.md).
+// From gradients on posed vertices to gradients on the rest mesh and the pose (docs/reference/binding.md).
 //
 // A joint at world position q that turns by ω (world axes) moves each point x of its subtree by ω×(x − q). The gradient on ω is therefore
-// the torque Σ (x − q)×g over the points of the subtree. The camera's gradient is the same sum over all points.
+// the torque Σ (x − q)×g over the points of the subtree.
 #pragma once
 
 #include <span>
@@ -27,7 +27,6 @@ template <class T>
 struct PoseGradient {
     std::vector<Vec3<T>> rotation;
     Vec3<T> rootTranslation{0};
-    Vec3<T> cameraRotation{0}, cameraTranslation{0};  // view frame, X_view ← exp(ω)·X_view + τ
 };
 
 /** Force and torque on one joint, world axes; the torque is about the world's origin. */
@@ -82,11 +81,9 @@ inline void backwardJoints(std::span<const JointData> joints, std::span<const Ma
 }
 
 /** Backward pass of skinning for the whole mesh. The sums run over fixed blocks of vertices in block order, so they do not depend on the
- *  number of threads. rest: rest positions that were skinned. posed: their positions in the world. gPosed: gradient on those. gRest is
- *  resized to V. The camera gradient needs viewRotation and viewTranslation (view from world). */
+ *  number of threads. rest: rest positions that were skinned. gPosed: gradient on their positions in the world. gRest is resized to V. */
 void backwardSkin(const MeshData& mesh, std::span<const Vec3f> rest, std::span<const JointData> joints,
-                  std::span<const Mat3x4f> worldFromRest, std::span<const Vec3f> posed, std::span<const Vec3f> gPosed,
-                  const Mat3f& viewRotation, const Vec3f& viewTranslation, Jobs& jobs, std::vector<Vec3f>& gRest,
+                  std::span<const Mat3x4f> worldFromRest, std::span<const Vec3f> gPosed, Jobs& jobs, std::vector<Vec3f>& gRest,
                   PoseGradient<double>& pose);
 
 }  // namespace dpl

@@ -15,7 +15,7 @@
 namespace dpl {
 namespace {
 
-constexpr uint32_t kMagic = 0x544C5044, kVersion = 3;
+constexpr uint32_t kMagic = 0x544C5044, kVersion = 4;
 
 /** True when all `count` values are finite. Integers always are. */
 template <class Number>
@@ -132,8 +132,7 @@ Status checkLearned(const Learned& learned, const CoOptimiseInput& input, uint32
     if (learned.layer.adamOffsets.first.size() != learned.layer.adamOffsets.second.size()) return damaged("moments of the offsets");
     for (const LearnedFrame& frame : learned.frames) {
         if (!checkPose(input.joints, frame.pose)) return damaged("a pose");
-        if (frame.adamPose.first.size() != frame.adamPose.second.size() || frame.adamCamera.first.size() != frame.adamCamera.second.size())
-            return damaged("moments of a frame");
+        if (frame.adamPose.first.size() != frame.adamPose.second.size()) return damaged("moments of a frame");
     }
     return {};
 }

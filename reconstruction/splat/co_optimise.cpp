@@ -9,7 +9,6 @@
 #include "reconstruction/splat/co_optimise_state.h"
 #include "reconstruction/splat/pose_step.h"
 #include "reconstruction/splat/random.h"
-#include "reconstruction/splat/rotation_vector.h"
 #include "reconstruction/splat/seen_backs.h"
 #include "reconstruction/splat/still_vertices.h"
 #include "sdk/core/evenly_spaced.h"
@@ -192,14 +191,6 @@ uint32_t CoOptimiser::State::frameOf(uint32_t atStep) {
     return order[atStep % usedFrames.size()];
 }
 
-Camerad CoOptimiser::State::cameraOf(uint32_t frame) const {
-    Camerad c = input.frames[frame].camera;
-    const Mat3d turn = glm::mat3_cast(turnQuaternion(learned.frames[frame].cameraTurn));
-    c.viewFromWorldRotation = turn * c.viewFromWorldRotation;
-    c.viewFromWorldTranslation = turn * c.viewFromWorldTranslation + learned.frames[frame].cameraShift;
-    return c;
-}
-
 Status CoOptimiser::State::stepOnce() {
     const auto start = std::chrono::steady_clock::now();
     LearnedLayer& layer = learned.layer;
@@ -216,19 +207,14 @@ Status CoOptimiser::State::stepOnce() {
     const Vec3f background(float(hashUniform(settings.seed, kBackgroundStream, at)),
                            float(hashUniform(settings.seed, kBackgroundStream, at + 1)),
                            float(hashUniform(settings.seed, kBackgroundStream, at + 2)));
-    Cameraf camera = level[frame].camera;
-    if (settings.learnCameras) {
-        const Cameraf moved = cameraOf(frame).cast<float>();
-        camera.viewFromWorldRotation = moved.viewFromWorldRotation, camera.viewFromWorldTranslation = moved.viewFromWorldTranslation;
-    }
     const PassSubject subject{layer.splats, mesh, layer.correctives, input.joints, bind, incidence};
-    const bool geometry = settings.learnGeometry || settings.learnPoses || settings.learnCameras || learnsCorrectives();
-    const LossValues loss = pass.run(subject, learned.frames[frame].pose, level[frame], camera, weights, background, geometry);
+    const bool geometry = settings.learnGeometry || settings.learnPoses || learnsCorrectives();
+    const LossValues loss = pass.run(subject, learned.frames[frame].pose, level[frame], weights, background, geometry);
     if (!std::isfinite(loss.total)) return fail(Code::Internal, "training step {} (frame '{}'): the loss is not finite", step, f.name);
 
     const auto update = std::chrono::steady_clock::now();
     if (settings.learnSplats) updateSplats(frame);
-    if (settings.learnPoses || settings.learnCameras) updatePose(frame, loss.total);
+    if (settings.learnPoses) updatePose(frame, loss.total);
     if (geometry) pullGarments();
     if (settings.learnGeometry) {
         const auto& g = pass.restGradient();
@@ -305,25 +291,11 @@ void CoOptimiser::State::updateSplats(uint32_t frame) {
 }
 
 void CoOptimiser::State::updatePose(uint32_t frame, double loss) {
-    const PoseGradient<double>& g = pass.poseGradient();
     LearnedFrame& own = learned.frames[frame];
-    if (settings.learnPoses) {
-        const TrainFrame& given = input.frames[frame];
-        const double fall = decay(settings.endPose);
-        const PosePull pull{given.pose, given.precision.get(), lossPerNat(loss, level[frame].personPx, priors::kTrainedPictureTrust)};
-        stepPose(own.pose, own.adamPose, g, {settings.rateRotation * fall, settings.rateTranslation * fall}, pull);
-    }
-    if (settings.learnCameras) {
-        std::vector<double> gradient(6), rates(6, double(settings.rateCamera * decay(settings.endPose)));
-        for (int a = 0; a < 3; ++a) {
-            gradient[size_t(a)] = g.cameraRotation[a] + 2 * settings.regularise.camera * own.cameraTurn[a];
-            gradient[3 + size_t(a)] = g.cameraTranslation[a] + 2 * settings.regularise.camera * own.cameraShift[a];
-        }
-        const std::vector<double> delta = own.adamCamera.step(gradient, rates);
-        const Quatd turn = turnQuaternion({-delta[0], -delta[1], -delta[2]});
-        own.cameraTurn = logQuaternion(turn * turnQuaternion(own.cameraTurn));
-        own.cameraShift = glm::mat3_cast(turn) * own.cameraShift - Vec3d(delta[3], delta[4], delta[5]);
-    }
+    const TrainFrame& given = input.frames[frame];
+    const double fall = decay(settings.endPose);
+    const PosePull pull{given.pose, given.precision.get(), lossPerNat(loss, level[frame].personPx, priors::kTrainedPictureTrust)};
+    stepPose(own.pose, own.adamPose, pass.poseGradient(), {settings.rateRotation * fall, settings.rateTranslation * fall}, pull);
 }
 
 void CoOptimiser::State::updateOffsets() {
@@ -439,8 +411,6 @@ CoOptimiseResult CoOptimiser::result() const {
     r.restPositions = s.mesh.restPositions;
     r.correctives = s.learned.layer.correctives;
     for (const LearnedFrame& frame : s.learned.frames) r.poses.push_back(frame.pose);
-    for (uint32_t f = 0; f < s.input.frames.size(); ++f)
-        r.cameras.push_back(s.settings.learnCameras ? s.cameraOf(f) : s.input.frames[f].camera);
     r.curve = s.learned.curve;
     r.framesUsed = uint32_t(s.usedFrames.size());
     StepProfile p = s.profile;

@@ -47,7 +47,6 @@ struct CoOptimiseSettings {
     bool learnGeometry = true;
     bool learnPoses = true;
     bool learnCorrectives = true;
-    bool learnCameras = false;
     bool densify = true;
     bool learnPlacement = true;       // uv and φ; off in polish
     bool fullResolutionOnly = false;  // no progressive levels
@@ -58,7 +57,6 @@ struct CoOptimiseSettings {
     float rateDc = 5e-3f, rateRest = 2.5e-4f, endColour = 0.2f;
     float rateOffsets = 5e-3f, endOffsets = 0.1f;  // metres, AdamUniform on u
     float rateRotation = 1.5e-3f, rateTranslation = 1e-3f, endPose = 0.1f;
-    float rateCamera = 1e-4f;
     float rateNodeOffset = 2e-4f, rateNodeLight = 4e-3f, endNodes = 0.1f;  // metres and brightness a unit of a mode
     float nodeDecay = 2e-3f;  // share by which a step shrinks the nodes of its frame; falls like the node rates
     double smoothingLengthM = priors::kTrainingSmoothingM;
@@ -93,8 +91,7 @@ struct CoOptimiseResult {
     SplatData splats;                  // bound to `restPositions`
     std::vector<Vec3f> restPositions;  // template + ΔVˢ
     PoseCorrectiveData correctives;
-    std::vector<Pose> poses;       // refined, in the order of the frames
-    std::vector<Camerad> cameras;  // refined when learnCameras, else as given
+    std::vector<Pose> poses;  // refined, in the order of the frames
     std::vector<CurvePoint> curve;
     StepProfile profile;
     uint32_t framesUsed = 0;

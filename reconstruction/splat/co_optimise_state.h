@@ -55,7 +55,6 @@ struct CoOptimiser::State {
     bool learnsCorrectives() const { return settings.learnCorrectives && !input.correctives.empty(); }
     void selectLevel();
     uint32_t frameOf(uint32_t atStep);
-    Camerad cameraOf(uint32_t frame) const;
     void updateSplats(uint32_t frame);
     void updatePose(uint32_t frame, double loss);
     void updateOffsets();

@@ -32,13 +32,9 @@ public:
     explicit FramePass(Jobs& jobs) : jobs_(jobs), engine_(jobs), loss_(jobs), pixels_(jobs), splatBackward_(jobs) {}
 
     /** Returns the loss of the picture and computes the gradients of the splats. With `geometry`, also fills restGradient(),
-     *  poseGradient() and nodeGradient(). `camera` is used in place of level.camera and must have the same size. */
-    LossValues run(const PassSubject& subject, const Pose& pose, const LevelFrame& level, const Cameraf& camera, const LossWeights& weights,
-                   const Vec3f& background, bool geometry);
+     *  poseGradient() and nodeGradient(). */
     LossValues run(const PassSubject& subject, const Pose& pose, const LevelFrame& level, const LossWeights& weights,
-                   const Vec3f& background, bool geometry) {
-        return run(subject, pose, level, level.camera, weights, background, geometry);
-    }
+                   const Vec3f& background, bool geometry);
 
     SplatBackward& splatBackward() { return splatBackward_; }
     const std::vector<Vec3f>& restGradient() const { return gRest_; }

@@ -23,8 +23,6 @@ struct LearnedLayer {
 struct LearnedFrame {
     Pose pose;
     AdamVector adamPose;
-    Vec3d cameraTurn{0}, cameraShift{0};  // against the given camera: X_view ← exp(turn)·X_view + shift
-    AdamVector adamCamera;
 };
 
 /** Loss sums over the steps since the last point of the curve. */
@@ -79,18 +77,13 @@ Status visitLearned(LearnedOrConst& learned, const Learned& shape, Visit& visit)
 
     for (size_t f = 0; f < learned.frames.size(); ++f) {
         auto& frame = learned.frames[f];
-        const size_t joints = shape.frames.front().pose.localRotations.size(), cameraNumbers = 6;
+        const size_t joints = shape.frames.front().pose.localRotations.size();
         const size_t poseNumbers = shape.frames[f].adamPose.first.size();
         DPL_CHECK_OK(visit.array("pose", frame.pose.localRotations, joints));
         DPL_CHECK_OK(visit.value("root translation", frame.pose.rootTranslation));
         DPL_CHECK_OK(visit.array("pose's first moments", frame.adamPose.first, poseNumbers));
         DPL_CHECK_OK(visit.array("pose's second moments", frame.adamPose.second, poseNumbers));
         DPL_CHECK_OK(visit.value("pose's steps", frame.adamPose.steps));
-        DPL_CHECK_OK(visit.value("camera turn", frame.cameraTurn));
-        DPL_CHECK_OK(visit.value("camera shift", frame.cameraShift));
-        DPL_CHECK_OK(visit.arrayOrEmpty("camera's first moments", frame.adamCamera.first, cameraNumbers));
-        DPL_CHECK_OK(visit.arrayOrEmpty("camera's second moments", frame.adamCamera.second, cameraNumbers));
-        DPL_CHECK_OK(visit.value("camera's steps", frame.adamCamera.steps));
     }
 
     DPL_CHECK_OK(visit.arrayOfAnySize("curve", learned.curve));

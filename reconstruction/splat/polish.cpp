@@ -11,7 +11,7 @@ namespace dpl {
 CoOptimiseSettings polishSettings(uint32_t steps, uint64_t seed, uint32_t shDegree) {
     CoOptimiseSettings s;
     s.seed = seed, s.steps = steps, s.init.shDegree = shDegree;
-    s.learnGeometry = s.learnPoses = s.learnCameras = s.learnCorrectives = s.densify = s.learnPlacement = false;
+    s.learnGeometry = s.learnPoses = s.learnCorrectives = s.densify = s.learnPlacement = false;
     s.fullResolutionOnly = true;
     s.loss.cloth = 0;
     // The splats are nearly right, so steps are small and fall to a tenth.

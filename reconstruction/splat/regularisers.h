@@ -14,8 +14,7 @@ struct RegulariserWeights {
     float anisotropy = 0.01f;  // mean of max(0, ln(s_max/s_min) − ln 10)
     float edgeRatio = 1e-2f;   // mean of max(0, ||e'|/|e| − 1| − 0.5)²
     float laplacian = 1e-2f;   // mean of |L ΔV|²/(mean edge)², L the uniform Laplacian divided by valence
-    float camera = 1e-1f;
-    float collision = 1.0f;  // pull of 1 cm of garment inside the body, as a share of the picture's (garment_collision.h)
+    float collision = 1.0f;    // pull of 1 cm of garment inside the body, as a share of the picture's (garment_collision.h)
 };
 
 /** Adds the gradient of both splat terms to the rows of the active splats in [begin, end). referenceSizeM: h of each triangle. The terms

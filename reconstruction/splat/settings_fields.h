@@ -18,9 +18,9 @@ void visitFields(const LossWeights& weights, Visit&& visit) {
 
 template <class Visit>
 void visitFields(const RegulariserWeights& weights, Visit&& visit) {
-    const auto& [scaleHinge, anisotropy, edgeRatio, laplacian, camera, collision] = weights;
+    const auto& [scaleHinge, anisotropy, edgeRatio, laplacian, collision] = weights;
     visit("scaleHinge", scaleHinge), visit("anisotropy", anisotropy), visit("edgeRatio", edgeRatio);
-    visit("laplacian", laplacian), visit("camera", camera), visit("collision", collision);
+    visit("laplacian", laplacian), visit("collision", collision);
 }
 
 template <class Visit>
@@ -33,15 +33,15 @@ void visitFields(const InitSettings& settings, Visit&& visit) {
 template <class Visit>
 void visitFields(const CoOptimiseSettings& settings, Visit&& visit) {
     const auto& [seed, steps, init, maxSplats, loss, earlyMaskFactor, regularise, closeupStepScale, learnSplats, learnGeometry, learnPoses,
-                 learnCorrectives, learnCameras, densify, learnPlacement, fullResolutionOnly, rateUv, endUv, ratePhi, rateLogScale,
-                 endLogScale, rateOpacity, endOpacity, rateDc, rateRest, endColour, rateOffsets, endOffsets, rateRotation, rateTranslation,
-                 endPose, rateCamera, rateNodeOffset, rateNodeLight, endNodes, nodeDecay, smoothingLengthM, geometryEvery, densityEvents,
-                 levelStarts] = settings;
+                 learnCorrectives, densify, learnPlacement, fullResolutionOnly, rateUv, endUv, ratePhi, rateLogScale, endLogScale,
+                 rateOpacity, endOpacity, rateDc, rateRest, endColour, rateOffsets, endOffsets, rateRotation, rateTranslation, endPose,
+                 rateNodeOffset, rateNodeLight, endNodes, nodeDecay, smoothingLengthM, geometryEvery, densityEvents, levelStarts] =
+        settings;
     visit("seed", seed), visit("steps", steps), visit("init", init), visit("maxSplats", maxSplats);
     visit("loss", loss), visit("earlyMaskFactor", earlyMaskFactor), visit("regularise", regularise);
     visit("closeupStepScale", closeupStepScale);
     visit("learnSplats", learnSplats), visit("learnGeometry", learnGeometry), visit("learnPoses", learnPoses);
-    visit("learnCorrectives", learnCorrectives), visit("learnCameras", learnCameras), visit("densify", densify);
+    visit("learnCorrectives", learnCorrectives), visit("densify", densify);
     visit("learnPlacement", learnPlacement), visit("fullResolutionOnly", fullResolutionOnly);
     visit("rateUv", rateUv), visit("endUv", endUv), visit("ratePhi", ratePhi);
     visit("rateLogScale", rateLogScale), visit("endLogScale", endLogScale);
@@ -49,7 +49,6 @@ void visitFields(const CoOptimiseSettings& settings, Visit&& visit) {
     visit("rateDc", rateDc), visit("rateRest", rateRest), visit("endColour", endColour);
     visit("rateOffsets", rateOffsets), visit("endOffsets", endOffsets);
     visit("rateRotation", rateRotation), visit("rateTranslation", rateTranslation), visit("endPose", endPose);
-    visit("rateCamera", rateCamera);
     visit("rateNodeOffset", rateNodeOffset), visit("rateNodeLight", rateNodeLight), visit("endNodes", endNodes);
     visit("nodeDecay", nodeDecay), visit("smoothingLengthM", smoothingLengthM);
     visit("geometryEvery", geometryEvery), visit("densityEvents", densityEvents), visit("levelStarts", levelStarts);

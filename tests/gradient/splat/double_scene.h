@@ -31,7 +31,7 @@ struct DoubleScene {
     std::vector<double> nodes;  // M × K × 4: offset, brightness
     std::vector<Vec3d> rest;
     std::vector<Vec3d> jointTurn;  // R_j ← exp(ω_j) R_j
-    Vec3d rootShift{0}, cameraTurn{0}, cameraShift{0};
+    Vec3d rootShift{0};
 
     size_t rowLength() const { return 6 + shCoefficientCount(shDegree) * 3; }
 };
@@ -100,10 +100,6 @@ inline double renderLoss(const DoubleScene& s) {
             const size_t j = s.mesh.jointIndices[v][i];
             posed[v] += double(s.mesh.jointWeights[v][i]) / 255.0 * (rotation[j] * (s.rest[v] + Vec3d(corrected[v])) + offset[j]);
         }
-    Camerad camera = s.camera;
-    const Mat3d turn = turnMatrix(s.cameraTurn);
-    camera.viewFromWorldRotation = turn * camera.viewFromWorldRotation;
-    camera.viewFromWorldTranslation = turn * camera.viewFromWorldTranslation + s.cameraShift;
     ReferenceScene scene;
     scene.rest.assign(s.mesh.restPositions.begin(), s.mesh.restPositions.end());
     scene.posed = posed;
@@ -121,7 +117,7 @@ inline double renderLoss(const DoubleScene& s) {
         splat.sh.assign(row + 6, row + s.rowLength());
         scene.splats.push_back(std::move(splat));
     }
-    const ReferenceImage image = renderReference(scene, referenceCamera(camera), {.kappaPx2 = s.kappa});
+    const ReferenceImage image = renderReference(scene, referenceCamera(s.camera), {.kappaPx2 = s.kappa});
     double loss = 0;
     for (size_t i = 0; i < image.alpha.size(); ++i) {
         const double* w = s.pixelWeights.data() + i * 5;

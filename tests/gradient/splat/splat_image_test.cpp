@@ -72,7 +72,7 @@ DoubleScene withCorrectives(DoubleScene s, float reach, float reachOffModes = 1e
 }
 
 struct Analytic {
-    std::vector<double> rows, rest, joints, root, camera, nodes;
+    std::vector<double> rows, rest, joints, root, nodes;
     std::vector<float> bytes;  // everything, for the thread test
     bool sawCap = false;
     double loss = 0;  // of the float picture
@@ -121,8 +121,7 @@ Analytic backward(const DoubleScene& s, uint32_t threads, const std::array<float
     std::vector<float> gLight;
     backward.gatherVertices(VertexIncidence(mesh.triangles, s.rest.size()), gPosed, gLight);
     PoseGradient<double> g;
-    backwardSkin(mesh, posed.rest(), s.joints, posed.worldFromRest(), posed.positions(), gPosed, camera.viewFromWorldRotation,
-                 camera.viewFromWorldTranslation, jobs, gRest, g);
+    backwardSkin(mesh, posed.rest(), s.joints, posed.worldFromRest(), gPosed, jobs, gRest, g);
     std::vector<Vec4f> gNodes;
     if (!s.correctives.empty()) {
         gatherNodes(s.correctives, posed.nodes(), gRest, gLight, gNodes);
@@ -142,10 +141,9 @@ Analytic backward(const DoubleScene& s, uint32_t threads, const std::array<float
     for (const Vec3f& v : gRest) out.rest.insert(out.rest.end(), {v.x, v.y, v.z});
     for (const Vec3d& v : g.rotation) out.joints.insert(out.joints.end(), {v.x, v.y, v.z});
     out.root = {g.rootTranslation.x, g.rootTranslation.y, g.rootTranslation.z};
-    for (const Vec3d& v : {g.cameraRotation, g.cameraTranslation}) out.camera.insert(out.camera.end(), {v.x, v.y, v.z});
     for (const Vec4f& n : gNodes)
         for (const float k : posed.coefficients()) out.nodes.insert(out.nodes.end(), {k * n.x, k * n.y, k * n.z, k * n.w});
-    for (const auto* part : {&out.rows, &out.rest, &out.joints, &out.root, &out.camera, &out.nodes})
+    for (const auto* part : {&out.rows, &out.rest, &out.joints, &out.root, &out.nodes})
         for (double x : *part) out.bytes.push_back(float(x));
     return out;
 }
@@ -208,15 +206,6 @@ void check(const DoubleScene& s) {
         },
         kStep);
     expectGradients(a.root, root, kRelative, "root translation");
-    const auto camera = differences(
-        std::vector<double>(6, 0.0),
-        [&](const auto& x) {
-            DoubleScene m = s;
-            m.cameraTurn = at(x, 0), m.cameraShift = at(x, 1);
-            return renderLoss(m);
-        },
-        kStep);
-    expectGradients(a.camera, camera, kRelative, "camera");
     if (s.correctives.empty()) return;
     const auto nodes = differences(
         s.nodes,
