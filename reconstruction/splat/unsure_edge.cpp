@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "reconstruction/priors.h"
+#include "sdk/math/types.h"
 
 namespace dpl {
 namespace {
@@ -18,6 +19,54 @@ void around(int x, int y, int width, int height, int reach, Visit&& visit) {
     for (int j = std::max(0, y - reach); j <= std::min(height - 1, y + reach); ++j)
         for (int i = std::max(0, x - reach); i <= std::min(width - 1, x + reach); ++i)
             visit(size_t(j) * size_t(width) + size_t(i), (i - x) * (i - x) + (j - y) * (j - y));
+}
+
+/** Sets out.behind. Clears out.unsure where no background is within reach.
+ *
+ *  The Gaussian factors into x and y. Each row is blurred along x, and added to the sums of the unsure pixels above and below. Nothing is
+ *  blurred where no unsure pixel of the column is within reach. */
+void fillBehind(const FramePicture& picture, int radius, UnsureEdge& out) {
+    const int width = int(picture.mask.widthPx), height = int(picture.mask.heightPx);
+    const int reach = int(std::ceil(kReachRadii * radius));
+    std::vector<double> weight;  // of a distance along one axis
+    for (int d = 0; d <= reach; ++d) weight.push_back(std::exp(-0.5 * d * d / (kSigmaRadii * radius * kSigmaRadii * radius)));
+
+    struct Column {
+        std::vector<int> rows;      // of its unsure pixels, from the top
+        std::vector<Vec4d> sums;    // of each: weighted colours, weights
+        size_t first = 0, end = 0;  // those within reach of the current row
+    };
+    std::vector<Column> columns(size_t(width), Column{});
+    for (int y = 0; y < height; ++y)
+        for (int x = 0; x < width; ++x)
+            if (out.unsure[size_t(y) * size_t(width) + size_t(x)]) columns[size_t(x)].rows.push_back(y);
+    for (Column& column : columns) column.sums.assign(column.rows.size(), Vec4d(0));
+
+    std::vector<Vec4d> row(size_t(width), Vec4d(0));  // colour and 1 where it is sure background, else 0
+    for (int y = 0; y < height; ++y) {
+        for (int x = 0; x < width; ++x) {
+            const size_t at = size_t(y) * size_t(width) + size_t(x);
+            const uint8_t* rgb = picture.image.pixels.data() + at * 3;
+            row[size_t(x)] = out.unsure[at] || isPerson(picture.mask.pixels[at]) ? Vec4d(0) : Vec4d(rgb[0], rgb[1], rgb[2], 1);
+        }
+        for (int x = 0; x < width; ++x) {
+            Column& column = columns[size_t(x)];
+            while (column.end < column.rows.size() && column.rows[column.end] <= y + reach) ++column.end;
+            while (column.first < column.end && column.rows[column.first] < y - reach) ++column.first;
+            if (column.first == column.end) continue;
+            Vec4d blurred(0);
+            for (int i = std::max(0, x - reach); i <= std::min(width - 1, x + reach); ++i)
+                blurred += weight[size_t(std::abs(i - x))] * row[size_t(i)];
+            for (size_t k = column.first; k < column.end; ++k) column.sums[k] += weight[size_t(std::abs(column.rows[k] - y))] * blurred;
+        }
+    }
+    for (int x = 0; x < width; ++x)
+        for (size_t k = 0; k < columns[size_t(x)].rows.size(); ++k) {
+            const size_t at = size_t(columns[size_t(x)].rows[k]) * size_t(width) + size_t(x);
+            const Vec4d& sum = columns[size_t(x)].sums[k];
+            if (!(sum.w > 0)) out.unsure[at] = 0;
+            for (int c = 0; c < 3 && sum.w > 0; ++c) out.behind[at * 3 + size_t(c)] = float(sum[c] / sum.w);
+        }
 }
 
 }  // namespace
@@ -41,24 +90,7 @@ UnsureEdge unsureEdge(const FramePicture& picture) {
                 if (squared <= radius * radius && isPerson(mask[other]) != inside) out.unsure[other] = 1;
             });
         }
-    const int reach = int(std::ceil(kReachRadii * radius));
-    const double falloff = -0.5 / (kSigmaRadii * radius * kSigmaRadii * radius);
-    std::vector<size_t> alone;
-    for (int y = 0; y < height; ++y)
-        for (int x = 0; x < width; ++x) {
-            const size_t at = size_t(y) * size_t(width) + size_t(x);
-            if (!out.unsure[at]) continue;
-            double sum[3] = {}, total = 0;
-            around(x, y, width, height, reach, [&](size_t other, int squared) {
-                if (out.unsure[other] || isPerson(mask[other])) return;
-                const double weight = std::exp(falloff * squared);
-                total += weight;
-                for (size_t c = 0; c < 3; ++c) sum[c] += weight * picture.image.pixels[other * 3 + c];
-            });
-            if (!(total > 0)) alone.push_back(at);
-            for (size_t c = 0; c < 3 && total > 0; ++c) out.behind[at * 3 + c] = float(sum[c] / total);
-        }
-    for (const size_t at : alone) out.unsure[at] = 0;
+    fillBehind(picture, radius, out);
     return out;
 }
 
