@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Density control: split, clone and prune splats (docs/reference/losses.md). Only static frames add to the statistics.
+// Density control: split, clone and prune splats (docs/reference/losses.md). Moving frames add to the statistics only where no still
+// frame is used.
 #pragma once
 
 #include <vector>
@@ -10,8 +11,8 @@
 namespace dpl {
 
 struct DensityStatistics {
-    std::vector<float> gradientSum;  // N: |∂loss/∂centre| per half picture height, summed over static frames
-    std::vector<uint32_t> seen;      // N: static frames that showed the splat since the last event
+    std::vector<float> gradientSum;  // N: |∂loss/∂centre| per half picture height, summed over the frames that count
+    std::vector<uint32_t> seen;      // N: those of them that showed the splat since the last event
 
     void resize(size_t count) { gradientSum.assign(count, 0.0f), seen.assign(count, 0); }
 };

@@ -205,7 +205,7 @@ TrainableSplats initialSplats(std::span<const JointData> joints, const MeshData&
     for (uint32_t t = 0; t < triangleCount; ++t)
         if (shown[t]) total += area[t] = triangleArea(mesh, t);
     std::vector<uint32_t> perTriangle(triangleCount, 0);
-    double carried = 0;  // rounding error, passed on to the next triangle so that the total is exact
+    double carried = 0;  // rounding error, passed on to the next triangle: at most one splat, so tiny triangles make the total larger
     for (size_t t = 0; t < triangleCount; ++t) {
         if (!(area[t] > 0)) continue;
         const double want = area[t] / total * settings.splatCount + carried;
