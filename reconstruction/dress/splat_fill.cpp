@@ -71,6 +71,17 @@ void fillTriangle(const Vec3f& colour, double area, uint32_t count, uint8_t flag
     }
 }
 
+/** kSplatSingleFace where a triangle's splats show one side: as training set it, which knew hair and backs that show. Triangles without
+ *  splats take what the shape alone tells, and hair shows both sides. */
+Marks faceFlags(const LayerPart& part) {
+    const SplatData& s = part.splats;
+    Marks flags = part.role == "hair" ? Marks(part.mesh.triangles.size(), 0)
+                                      : triangleFlags(part.mesh.restPositions, part.mesh.triangles, {}, {}, {});
+    for (size_t t = 0; t < flags.size(); ++t)
+        if (s.triangleStart[t] < s.triangleStart[t + 1]) flags[t] = s.flags[s.triangleStart[t]] & kSplatSingleFace;
+    return flags;
+}
+
 void copySplats(const SplatData& from, size_t begin, size_t end, SplatData& to) {
     const auto add = [&](auto& into, const auto& values, size_t width) {
         into.insert(into.end(), values.begin() + long(begin * width), values.begin() + long(end * width));
@@ -83,7 +94,7 @@ void copySplats(const SplatData& from, size_t begin, size_t end, SplatData& to) 
 
 uint32_t fillSplats(const Marks& fill, const Marks& empty, const Marks& distrusted, const Neighbours& neighbours, LayerPart& part) {
     const SpreadColours around = coloursAround(part, distrusted, neighbours);
-    const Marks flags = triangleFlags(part.mesh.restPositions, part.mesh.triangles, {}, {}, {});
+    const Marks flags = faceFlags(part);
     uint8_t kind = 0;  // cloth or not: as the part's other splats
     for (const uint8_t flag : part.splats.flags) kind |= flag & kSplatCloth;
     SplatData splats;
@@ -124,9 +135,9 @@ uint32_t mendGarment(LayerPart& garment) {
     }
     std::vector<double> sorted = coverage;
     std::nth_element(sorted.begin(), sorted.begin() + long(count / 2), sorted.end());
-    const Marks flags = triangleFlags(garment.mesh.restPositions, garment.mesh.triangles, {}, {}, {});
+    const Marks inner = triangleFlags(garment.mesh.restPositions, garment.mesh.triangles, {}, {}, {});
     Marks weak(count);  // not at hems, where cloth may end before its mesh
-    for (size_t t = 0; t < count; ++t) weak[t] = (flags[t] & kSplatSingleFace) && coverage[t] < kWeakShare * sorted[count / 2];
+    for (size_t t = 0; t < count; ++t) weak[t] = (inner[t] & kSplatSingleFace) && coverage[t] < kWeakShare * sorted[count / 2];
     return fillSplats(weak, Marks(count, 0), weak, neighbours, garment);
 }
 

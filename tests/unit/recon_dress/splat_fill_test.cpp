@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "reconstruction/dress/splat_fill.h"
+
+#include <gtest/gtest.h>
+
+#include "tests/unit/ball_mesh.h"
+
+namespace dpl::test {
+namespace {
+
+/** The front of the ball, where splats hide little. */
+bool isFaint(const MeshData& mesh, size_t triangle) {
+    return mesh.restPositions[mesh.triangles[triangle].x].z > 0.12f;
+}
+
+/** A closed ball with a splat on each triangle, those of the upper half from both sides; none on `bare`. */
+LayerPart ball(const char* role, size_t bare) {
+    LayerPart part{"part", role, ballMesh(20, 28), {}, {}, {}};
+    part.mesh.colours.assign(part.mesh.restPositions.size(), glm::u8vec4(128));
+    SplatData& s = part.splats;
+    s.triangleStart = {0};
+    for (size_t t = 0; t < part.mesh.triangles.size(); ++t) {
+        if (t != bare) {
+            const bool upper = part.mesh.restPositions[part.mesh.triangles[t].x].y > 0;
+            s.uv.push_back({0.3f, 0.3f}), s.phi.push_back(0), s.scaleM.push_back(Vec2f(0.01f));
+            s.opacity.push_back(isFaint(part.mesh, t) ? 0.01f : 0.9f);
+            s.flags.push_back(uint8_t(kSplatCloth | (upper ? 0 : kSplatSingleFace)));
+            s.sh.insert(s.sh.end(), {0.1f, 0.1f, 0.1f});
+        }
+        s.triangleStart.push_back(s.count());
+    }
+    return part;
+}
+
+size_t bareTriangle() {
+    const MeshData mesh = ballMesh(20, 28);
+    for (size_t t = mesh.triangles.size(); t-- > 0;)
+        if (mesh.restPositions[mesh.triangles[t].x].z > 0.18f) return t;
+    return 0;
+}
+
+TEST(SplatFill, mendedTrianglesShowTheSidesThatTheyShowed) {
+    const size_t bare = bareTriangle();
+    LayerPart part = ball("garment", bare);
+    const LayerPart before = part;
+    ASSERT_GT(mendGarment(part), 40u);
+    size_t both = 0, single = 0;
+    for (size_t t = 0; t < part.mesh.triangles.size(); ++t)
+        for (uint32_t i = part.splats.triangleStart[t]; i < part.splats.triangleStart[t + 1]; ++i) {
+            if (t == bare) continue;
+            ASSERT_EQ(part.splats.flags[i], before.splats.flags[before.splats.triangleStart[t]]) << "triangle " << t;
+            if (isFaint(part.mesh, t)) ++(part.splats.flags[i] & kSplatSingleFace ? single : both);
+        }
+    EXPECT_GT(both, 20u);
+    EXPECT_GT(single, 20u);
+    ASSERT_LT(part.splats.triangleStart[bare], part.splats.triangleStart[bare + 1]);
+    EXPECT_EQ(part.splats.flags[part.splats.triangleStart[bare]], kSplatCloth | kSplatSingleFace) << "a closed surface";
+}
+
+TEST(SplatFill, mendedHairShowsBothSides) {
+    const size_t bare = bareTriangle();
+    LayerPart part = ball("hair", bare);
+    for (uint8_t& flag : part.splats.flags) flag = 0;
+    ASSERT_GT(mendGarment(part), 40u);
+    ASSERT_LT(part.splats.triangleStart[bare], part.splats.triangleStart[bare + 1]);
+    for (uint32_t i = 0; i < part.splats.count(); ++i) ASSERT_EQ(part.splats.flags[i], 0) << "splat " << i;
+}
+
+}  // namespace
+}  // namespace dpl::test
