@@ -89,7 +89,11 @@ Result<LabelField> voteLabels(const SurfaceMesh& mesh, std::span<const GarmentVi
     std::vector<float> weights(count);
     for (size_t v = 0; v < count; ++v)
         for (size_t c = 0; c < columns; ++c) weights[v] += spread[v * columns + c];
-    std::vector<float> sorted = weights;
+    std::vector<float> sorted;  // of the vertices that pictures saw
+    for (size_t v = 0; v < count; ++v) {
+        const auto own = votes.begin() + long(v * columns);
+        if (std::any_of(own, own + long(columns), [](float vote) { return vote > 0; })) sorted.push_back(weights[v]);
+    }
     std::sort(sorted.begin(), sorted.end());
     const float median = sorted.empty() ? 0 : sorted[sorted.size() / 2];
     field.seen.assign(count, 0);
