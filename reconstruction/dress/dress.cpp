@@ -277,7 +277,7 @@ Result<DressedFile> dressFiles(const std::filesystem::path& wearer, std::span<co
     DressedFile out;
     DPL_TRY(out.dressed, dressAvatar(onto, lent, progress, jobs));
     if (out.dressed.avatar.splats.shDegree > 0) {  // as doppel reconstruct writes them
-        DPL_TRY([[maybe_unused]] const ShPaletteReport palette, paletteSh(out.dressed.avatar.splats, {}, jobs));
+        DPL_TRY([[maybe_unused]] const ShPaletteReport palette, paletteSh(out.dressed.avatar.splats, kAvatarPalette, jobs));
     }
     DPL_TRY(out.bytes, writeAvatar(out.dressed.avatar, options));
     return out;

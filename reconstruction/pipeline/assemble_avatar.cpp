@@ -26,14 +26,12 @@ void tuckUnseenBody(AssembledAvatar& assembled, Jobs& jobs) {
     log(LogLevel::Info, "{} vertices of unseen skin are taken in below clothes", moved);
 }
 
-// A colour error of 0.5 of 255 levels is 54 dB. 4,096 entries of degree 1 cost 0.5 bytes a splat at 80,000 splats.
-constexpr uint32_t kShPaletteEntries = 4096;
-constexpr double kShPaletteLevels = 0.5;
-
 }  // namespace
 
 nlohmann::json assembleInputs() {
-    return {{"shPaletteEntries", kShPaletteEntries}, {"shPaletteLevels", kShPaletteLevels}, {"tuckedPoses", kTuckedPoses}};
+    return {{"shPaletteEntries", kAvatarPalette.maxEntries},
+            {"shPaletteLevels", kAvatarPalette.maxRmsLevels},
+            {"tuckedPoses", kTuckedPoses}};
 }
 
 Result<AssembledAvatar> assembleAvatar(const std::vector<JointData>& joints, const ClothedMesh& clothed, const CoOptimiseResult& trained,
@@ -67,8 +65,7 @@ Result<AssembledAvatar> assembleAvatar(const std::vector<JointData>& joints, con
     DPL_TRY([[maybe_unused]] uint32_t unchanged, rebaseSplats(trainedRest, avatar));
     DPL_TRY(avatar, decodedAvatar(avatar));
     if (avatar.splats.shDegree > 0) {
-        DPL_TRY(const ShPaletteReport palette,
-                paletteSh(avatar.splats, {.maxEntries = kShPaletteEntries, .maxRmsLevels = kShPaletteLevels}, jobs));
+        DPL_TRY(const ShPaletteReport palette, paletteSh(avatar.splats, kAvatarPalette, jobs));
         log(LogLevel::Info, "SH palette of {} entries, {} levels off", palette.entries, palette.rmsLevels);
         DPL_TRY(const auto bytes, writeAvatar(avatar, kPackaged));
         DPL_TRY(avatar, readAvatar(bytes));

@@ -5,11 +5,13 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <utility>
 
 #include <gtest/gtest.h>
 
 #include "reconstruction/dress/layer_part.h"
 #include "reconstruction/garments/garment_cover.h"
+#include "reconstruction/package/sh_palette.h"
 #include "reconstruction/sample/subject.h"
 #include "reconstruction/shape/closest_surface.h"
 #include "sdk/core/files.h"
@@ -317,17 +319,31 @@ TEST(Dress, movedSplatsFollowStretchAndTurnOfTheirTriangle) {
 TEST(Dress, filesAreNamedInErrorsAndThreadsChangeNothing) {
     const std::filesystem::path folder = std::filesystem::temp_directory_path() / "doppel-dress-test";
     std::filesystem::create_directories(folder);
-    ASSERT_TRUE(bool(writeFileAtomically(folder / "a.glb", *writeAvatar(first().avatar))));
+    AvatarData shiny = first().avatar;  // its light follows the view, on each splat in another way
+    SplatData& s = shiny.splats;
+    const std::vector<float> still = std::exchange(s.sh, std::vector<float>(size_t(s.count()) * 12));
+    s.shDegree = 1;
+    for (size_t i = 0; i < s.count(); ++i) {
+        std::copy_n(&still[3 * i], 3, &s.sh[12 * i]);
+        for (size_t k = 3; k < 12; ++k) s.sh[12 * i + k] = 0.002f * float((i * k) % 17);
+    }
+    shiny = *decodedAvatar(shiny);
+    ASSERT_TRUE(bool(writeFileAtomically(folder / "a.glb", *writeAvatar(shiny))));
     const std::string text = "no avatar";
     ASSERT_TRUE(bool(writeFileAtomically(folder / "b.glb", std::vector<uint8_t>(text.begin(), text.end()))));
     Jobs jobs(1);
     const auto wrong = dressFiles(folder / "a.glb", std::vector<GarmentFile>{{"top", folder / "b.glb"}}, {}, jobs);
     ASSERT_FALSE(bool(wrong));
     EXPECT_NE(wrong.error().message.find("b.glb"), std::string::npos) << wrong.error().message;
-    const NamedAvatar lender{(folder / "a.glb").string(), first().avatar};
+    const NamedAvatar lender{(folder / "a.glb").string(), shiny};
     const auto right = dressFiles(folder / "a.glb", std::vector<GarmentFile>{{"hair", folder / "a.glb"}}, {}, jobs);
     ASSERT_TRUE(bool(right)) << right.error().message;
-    const auto same = writeAvatar(dress({(folder / "a.glb").string(), first().avatar}, {{"hair", &lender}}, 3).avatar, {.shPalette = true});
+    AvatarData dressed = dress(lender, {{"hair", &lender}}, 3).avatar;
+    const auto palette = paletteSh(dressed.splats, kAvatarPalette, jobs);
+    ASSERT_TRUE(bool(palette));
+    EXPECT_GT(palette->entries, 1u);
+    EXPECT_LT(palette->entries, 17u) << "of 17 different rows";
+    const auto same = writeAvatar(dressed, {.shPalette = true});
     ASSERT_TRUE(bool(same));
     EXPECT_EQ(right->bytes, *same);  // one thread and three
     std::filesystem::remove_all(folder);
