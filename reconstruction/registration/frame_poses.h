@@ -37,7 +37,7 @@ public:
     /** The terms of the moving frames of a split, and for Split::Train of still frames with a picture. Frames of earlier splits are
      * constant neighbours; those of later splits do not take part. */
     void addTerms(ceres::Problem& problem, Split split);
-    /** Holds all moving frames but these. */
+    /** Holds all frames but these, moving or still. */
     void holdAllBut(ceres::Problem& problem, std::span<const size_t> frames);
     /** Adds a cost of blocks root, pose. The problem owns it. */
     void addPicture(ceres::Problem& problem, size_t frame, ceres::CostFunction* cost);

@@ -45,7 +45,7 @@ struct RegisterInput {
 
 struct RegisterSettings {
     uint32_t surfacePoints = 2000;
-    std::vector<double> blursPx{4, 2, 1};  // coarse to fine; pixels of the given pictures
+    std::vector<double> blursPx{4, 2, 1};  // coarse to fine; pixels after pictures above 640 px a side are reduced to that
     int roundsPerBlur = 2;                 // a round finds anew what each picture shows
     int stepsPerRound = 4;
     /** May be empty; returning false cancels. */
