@@ -6,7 +6,7 @@
 
 #include "reconstruction/garments/garment_cover.h"
 #include "reconstruction/shape/closest_surface.h"
-#include "reconstruction/shape/clothed_layers.h"
+#include "reconstruction/surface/clothed_layers.h"
 #include "reconstruction/surface/mesh_raster.h"
 #include "sdk/avatar/posed_mesh.h"
 

@@ -6,8 +6,8 @@
 
 #include "reconstruction/priors.h"
 #include "reconstruction/shape/closest_surface.h"
-#include "reconstruction/shape/clothed_layers.h"
 #include "reconstruction/shape/implicit_mesh.h"
+#include "reconstruction/surface/clothed_layers.h"
 #include "sdk/avatar/posed_mesh.h"
 #include "sdk/math/merge_vertices.h"
 

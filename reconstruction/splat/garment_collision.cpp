@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "reconstruction/shape/clothed_layers.h"
 #include "reconstruction/splat/backward_mesh.h"
+#include "reconstruction/surface/clothed_layers.h"
 
 namespace dpl {
 namespace {
