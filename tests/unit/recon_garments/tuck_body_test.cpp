@@ -111,11 +111,14 @@ TEST(TuckBody, doesNotTurnThinPartsInsideOut) {
 TEST(TuckBody, leavesAnAvatarOfOneLayer) {
     Jobs jobs(2);
     AvatarData avatar = sunkenGarment(0.004f);
+    const std::vector<Vec3f> before = avatar.mesh.restPositions;
     const Pose rest = Pose::rest(2);
     const std::vector<uint8_t> seen(avatar.mesh.triangles.size(), 0);
     EXPECT_EQ(tuckBody(avatar, seen, {}, jobs), 0u) << "no pose";
+    EXPECT_EQ(avatar.mesh.restPositions, before) << "no pose";
     avatar.mesh.layers.resize(1);
     EXPECT_EQ(tuckBody(avatar, seen, std::span(&rest, 1), jobs), 0u) << "no garment";
+    EXPECT_EQ(avatar.mesh.restPositions, before) << "no garment";
 }
 
 }  // namespace

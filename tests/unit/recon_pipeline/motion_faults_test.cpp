@@ -48,8 +48,16 @@ TEST(MotionFaults, lightThatChangesFastFlickers) {
 
 TEST(MotionFaults, stillFramesAloneShowNone) {
     ToyReconstruction toy;
-    AvatarView view = must(AvatarView::open(toy.package.bytes, 2));
-    EXPECT_EQ(must(motionFaults(toy.avatar, view, {}, toy.jobs)).flickerLevels, 0);
+    toy.takePictures(toy.avatar);
+    Pictures pictures(toy.ingested.scan);
+    FrameSet set = must(framesOf(toy.ingested, Split::Train, toy.body.cameras, toy.truth, pictures));
+    std::erase_if(set.frames, [](const TrainFrame& frame) { return frame.kind == FrameKind::Dynamic; });
+    ASSERT_GE(set.frames.size(), 2u);
+    AvatarData nervous = toy.avatar;
+    nervous.correctives = ballCorrectives(nervous.mesh, {0, 0, 0, 5}, {0, 0, 0, 5});
+    AvatarView view = must(AvatarView::open(bytesOf(nervous), 2));
+    EXPECT_EQ(must(motionFaults(nervous, view, set.frames, toy.jobs)).flickerLevels, 0);
+    EXPECT_EQ(must(motionFaults(nervous, view, {}, toy.jobs)).flickerLevels, 0) << "no frame at all";
 }
 
 }  // namespace

@@ -162,6 +162,8 @@ TEST(RegisterFrames, searchNeedsNoPicture) {
     const auto result = registerFrames(input, {}, scene.jobs);
     ASSERT_TRUE(result) << result.error().message;
     EXPECT_TRUE(std::all_of(result->poses.begin(), result->poses.end(), finite));
+    EXPECT_TRUE(std::any_of(result->solves.begin(), result->solves.end(),
+                            [](const SolveEnd& solve) { return solve.what == "limbs at another depth"; }));
 }
 
 TEST(RegisterFrames, searchTellsItsProgressAndCanBeStopped) {
