@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "reconstruction/shape/spread_place.h"
 #include "reconstruction/splat/init.h"
 #include "sdk/math/sh.h"
 

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "reconstruction/garments/garment_cover.h"
 
-#include <algorithm>
 #include <cmath>
-#include <map>
+
+#include "reconstruction/shape/edge_uses.h"
 
 namespace dpl {
 namespace {
@@ -13,13 +13,10 @@ constexpr float kCovers = 0.2f;   // least cosine between the normals of a garme
 
 /** Marks the edges of open meshes: a point found there is beside the garment, not below it. */
 std::vector<std::array<bool, 3>> borderEdges(const SurfaceMesh& mesh) {
-    std::map<std::pair<uint32_t, uint32_t>, int> uses;
-    const auto key = [](uint32_t a, uint32_t b) { return std::pair(std::min(a, b), std::max(a, b)); };
-    for (const Triangle& t : mesh.triangles)
-        for (int k = 0; k < 3; ++k) ++uses[key(t[k], t[(k + 1) % 3])];
+    const std::map<Edge, int> uses = edgeUses(mesh.triangles);
     std::vector<std::array<bool, 3>> out(mesh.triangles.size());
     for (size_t i = 0; i < mesh.triangles.size(); ++i)
-        for (int k = 0; k < 3; ++k) out[i][size_t(k)] = uses[key(mesh.triangles[i][k], mesh.triangles[i][(k + 1) % 3])] == 1;
+        for (int k = 0; k < 3; ++k) out[i][size_t(k)] = uses.at(edgeOf(mesh.triangles[i][k], mesh.triangles[i][(k + 1) % 3])) == 1;
     return out;
 }
 

@@ -12,6 +12,8 @@
 #include <queue>
 
 #include "reconstruction/garments/cut_mesh.h"
+#include "reconstruction/shape/edge_uses.h"
+#include "reconstruction/shape/vertex_sets.h"
 #include "sdk/core/result.h"
 
 namespace dpl {
@@ -49,8 +51,6 @@ TaggedMesh cutLabels(const SurfaceMesh& hull, const LabelField& field, std::span
     return tagged;
 }
 
-using EdgeMap = std::map<std::pair<uint32_t, uint32_t>, std::vector<uint32_t>>;
-
 /** For each vertex the length of the shortest path along edges of triangles with `passable`, from vertices with `start`; at most reach. */
 std::vector<float> pathLengths(const SurfaceMesh& mesh, const std::vector<uint8_t>& passable, const std::vector<uint8_t>& start,
                                float reach) {
@@ -78,14 +78,8 @@ std::vector<float> pathLengths(const SurfaceMesh& mesh, const std::vector<uint8_
 
 /** For each vertex its two neighbours along the border; UINT32_MAX for inner vertices and where borders meet. */
 std::vector<std::array<uint32_t, 2>> borderNeighbours(const SurfaceMesh& mesh) {
-    std::map<std::pair<uint32_t, uint32_t>, int> uses;
-    for (const Triangle& t : mesh.triangles)
-        for (int k = 0; k < 3; ++k) {
-            const uint32_t a = t[k], b = t[(k + 1) % 3];
-            ++uses[{std::min(a, b), std::max(a, b)}];
-        }
     std::vector<std::vector<uint32_t>> along(mesh.positions.size());
-    for (const auto& [edge, count] : uses)
+    for (const auto& [edge, count] : edgeUses(mesh.triangles))
         if (count == 1) along[edge.first].push_back(edge.second), along[edge.second].push_back(edge.first);
     std::vector<std::array<uint32_t, 2>> out(mesh.positions.size(), {UINT32_MAX, UINT32_MAX});
     for (size_t v = 0; v < along.size(); ++v)
@@ -122,13 +116,8 @@ void smoothPiece(SurfaceMesh& mesh, double lengthM) {
     const auto border = borderNeighbours(mesh);
     const auto neighbours = vertexNeighbours(mesh.positions.size(), mesh.triangles);
     std::vector<uint8_t> onBorder(mesh.positions.size(), 0);
-    {
-        std::map<std::pair<uint32_t, uint32_t>, int> uses;
-        for (const Triangle& t : mesh.triangles)
-            for (int k = 0; k < 3; ++k) ++uses[std::minmax(t[k], t[(k + 1) % 3])];
-        for (const auto& [edge, count] : uses)
-            if (count == 1) onBorder[edge.first] = onBorder[edge.second] = 1;
-    }
+    for (const auto& [edge, count] : edgeUses(mesh.triangles))
+        if (count == 1) onBorder[edge.first] = onBorder[edge.second] = 1;
     double edge = 0, edges = 0;
     for (size_t v = 0; v < border.size(); ++v)
         if (border[v][0] != UINT32_MAX) edge += glm::length(mesh.positions[border[v][0]] - mesh.positions[v]), edges += 1;
@@ -149,24 +138,15 @@ void smoothPiece(SurfaceMesh& mesh, double lengthM) {
 
 /** Leaves out triangles of connected pieces below an area. Keeps all vertices. */
 SurfaceMesh withoutSmallPieces(const SurfaceMesh& mesh, double minAreaM2) {
-    std::vector<uint32_t> root(mesh.positions.size());
-    std::iota(root.begin(), root.end(), 0u);
-    const auto find = [&](uint32_t v) {
-        while (root[v] != v) v = root[v] = root[root[v]];
-        return v;
-    };
-    for (const Triangle& t : mesh.triangles) {
-        const uint32_t a = find(t.x), b = find(t.y), c = find(t.z);
-        root[a] = root[b] = root[c] = std::min({a, b, c});
-    }
+    VertexSets pieces(mesh.positions.size(), mesh.triangles);
     std::vector<double> area(mesh.positions.size(), 0);
     const auto areaOf = [&](const Triangle& t) {
         return 0.5 * glm::length(glm::cross(mesh.positions[t.y] - mesh.positions[t.x], mesh.positions[t.z] - mesh.positions[t.x]));
     };
-    for (const Triangle& t : mesh.triangles) area[find(t.x)] += areaOf(t);
+    for (const Triangle& t : mesh.triangles) area[pieces.find(t.x)] += areaOf(t);
     SurfaceMesh out{mesh.positions, {}};
     for (const Triangle& t : mesh.triangles)
-        if (area[find(t.x)] >= minAreaM2) out.triangles.push_back(t);
+        if (area[pieces.find(t.x)] >= minAreaM2) out.triangles.push_back(t);
     return out;
 }
 

@@ -64,9 +64,7 @@ Result<LabelField> voteLabels(const SurfaceMesh& mesh, std::span<const GarmentVi
                 const uint8_t column = columnOf[view.labels.pixels[pixel]];
                 if (column == kNoColumn) continue;
                 const Triangle& t = mesh.triangles[id];
-                const Vec3d a(mesh.positions[t.x]), b(mesh.positions[t.y]), c(mesh.positions[t.z]);
-                const Vec3d normal = glm::cross(b - a, c - a), toEye = eye - a;
-                const double cosine = glm::dot(normal, toEye) / std::max(1e-20, glm::length(normal) * glm::length(toEye));
+                const double cosine = frontCosine(mesh.positions, t, eye);
                 if (cosine < kMinCosine) continue;
                 const Vec2f uv = rasters[k].barycentric[pixel];
                 const float share[3] = {1 - uv.x - uv.y, uv.x, uv.y};

@@ -5,20 +5,12 @@
 #include <cmath>
 
 #include "reconstruction/surface/mesh_raster.h"
+#include "reconstruction/surface/posed_positions.h"
 #include "reconstruction/surface/triangle_labels.h"
 #include "sdk/avatar/rig.h"
 #include "sdk/math/coverage.h"
 
 namespace dpl {
-namespace {
-
-void posedMesh(const std::vector<JointData>& joints, const MeshData& mesh, const Pose& pose, Jobs& jobs, std::vector<Vec3f>& positions) {
-    std::vector<Mat3x4f> worldFromRest;
-    jointTransforms(joints, pose, worldFromRest);
-    skin(mesh, worldFromRest, jobs, positions);
-}
-
-}  // namespace
 
 const char* frameKindName(FrameKind kind) {
     return kind == FrameKind::Dynamic ? "dynamic" : kind == FrameKind::StaticCloseup ? "static_closeup" : "static_full";
@@ -79,7 +71,7 @@ std::vector<uint8_t> voteTriangleLabels(const std::vector<JointData>& joints, co
     std::vector<Vec3f> positions;
     for (const TrainFrame& frame : frames) {
         if (frame.kind == FrameKind::Dynamic || frame.picture->labels.pixels.empty()) continue;
-        posedMesh(joints, mesh, frame.pose, jobs, positions);
+        posedPositions(joints, mesh, frame.pose, jobs, positions);
         const MeshRaster raster = rasteriseMesh(positions, mesh.triangles, frame.camera);
         votes.add(raster, positions, mesh.triangles, frame.camera, frame.picture->labels.pixels, frame.picture->mask.pixels);
         any = true;
@@ -117,7 +109,7 @@ std::vector<glm::u8vec4> gatherVertexColours(const std::vector<JointData>& joint
     VertexColours colours(mesh.restPositions.size());
     std::vector<Vec3f> positions;
     for (const TrainFrame& frame : frames) {
-        posedMesh(joints, mesh, frame.pose, jobs, positions);
+        posedPositions(joints, mesh, frame.pose, jobs, positions);
         const MeshRaster raster = rasteriseMesh(positions, mesh.triangles, frame.camera);
         colours.add(raster, positions, mesh.triangles, frame.camera, frame.picture->image.pixels, frame.picture->mask.pixels);
     }

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "reconstruction/shape/spread_place.h"
+#include "reconstruction/surface/posed_positions.h"
 #include "sdk/core/percentile.h"
 #include "sdk/math/projection.h"
 
@@ -35,24 +37,14 @@ std::vector<MeshPoint> spreadPoints(const MeshData& mesh, size_t count) {
     const double step = total / double(std::max<size_t>(count, 1));
     double sum = 0, next = 0.5 * step;
     for (uint32_t t = 0; t < area.size() && step > 0; ++t)
-        for (sum += area[t]; next <= sum; next += step) {
-            // The additive recurrence of the plastic number fills the unit square evenly; its upper half is folded into the triangle.
-            const double n = double(points.size() + 1);
-            double u = std::fmod(0.7548776662466927 * n, 1.0), v = std::fmod(0.5698402909980532 * n, 1.0);
-            if (u + v > 1) u = 1 - u, v = 1 - v;
-            points.push_back({t, Vec2f(u, v)});
-        }
+        for (sum += area[t]; next <= sum; next += step) points.push_back({t, Vec2f(spreadPlace(0, uint32_t(points.size() + 1)))});
     return points;
 }
 
 std::vector<DrawnMesh> drawMesh(std::span<const JointData> joints, const MeshData& mesh, std::span<const Pose> poses,
                                 std::span<const Camerad> cameras, Jobs& jobs) {
     std::vector<DrawnMesh> drawn(poses.size());
-    std::vector<Mat3x4f> worldFromRest;
-    for (size_t i = 0; i < poses.size(); ++i) {
-        jointTransforms(joints, poses[i], worldFromRest);
-        skin(mesh, worldFromRest, jobs, drawn[i].positions);
-    }
+    for (size_t i = 0; i < poses.size(); ++i) posedPositions(joints, mesh, poses[i], jobs, drawn[i].positions);
     jobs.forBlocks(poses.size(),
                    [&](size_t i, uint32_t) { drawn[i].raster = rasteriseMesh(drawn[i].positions, mesh.triangles, cameras[i]); });
     return drawn;

@@ -3,8 +3,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 #include <unordered_map>
+
+#include "reconstruction/shape/vertex_sets.h"
 
 namespace dpl {
 namespace {
@@ -137,23 +138,14 @@ SurfaceMesh withoutUnused(const SurfaceMesh& mesh, std::vector<uint32_t>* oldInd
 }
 
 SurfaceMesh largestPiece(const SurfaceMesh& mesh) {
-    std::vector<uint32_t> root(mesh.positions.size());
-    std::iota(root.begin(), root.end(), 0u);
-    auto find = [&](uint32_t v) {
-        while (root[v] != v) v = root[v] = root[root[v]];
-        return v;
-    };
-    for (const Triangle& t : mesh.triangles) {
-        const uint32_t a = find(t.x), b = find(t.y), c = find(t.z), low = std::min({a, b, c});
-        root[a] = root[b] = root[c] = low;
-    }
+    VertexSets pieces(mesh.positions.size(), mesh.triangles);
     std::vector<size_t> size(mesh.positions.size(), 0);
-    for (const Triangle& t : mesh.triangles) ++size[find(t.x)];
+    for (const Triangle& t : mesh.triangles) ++size[pieces.find(t.x)];
     const uint32_t best = uint32_t(std::max_element(size.begin(), size.end()) - size.begin());
     SurfaceMesh kept;
     kept.positions = mesh.positions;
     for (const Triangle& t : mesh.triangles)
-        if (find(t.x) == best) kept.triangles.push_back(t);
+        if (pieces.find(t.x) == best) kept.triangles.push_back(t);
     return withoutUnused(kept);
 }
 

@@ -4,11 +4,13 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <map>
 
 #include "reconstruction/priors.h"
+#include "reconstruction/shape/edge_uses.h"
+#include "reconstruction/shape/spread_place.h"
 #include "reconstruction/splat/random.h"
 #include "reconstruction/surface/mesh_raster.h"
+#include "reconstruction/surface/posed_positions.h"
 #include "sdk/math/merge_vertices.h"
 #include "sdk/math/sh.h"
 
@@ -17,12 +19,6 @@ namespace {
 
 bool contains(const std::vector<uint8_t>& list, uint8_t value) {
     return std::find(list.begin(), list.end(), value) != list.end();
-}
-
-void poseMesh(std::span<const JointData> joints, const MeshData& mesh, const Pose& pose, Jobs& jobs, std::vector<Vec3f>& posed) {
-    std::vector<Mat3x4f> transforms;
-    jointTransforms(joints, pose, transforms);
-    skin(mesh, transforms, jobs, posed);
 }
 
 /** Area at rest, m²; 0 for a triangle that no splat can lie on. */
@@ -91,12 +87,6 @@ std::vector<std::vector<uint32_t>> triangleNeighbours(const MeshData& mesh) {
     return out;
 }
 
-Vec2d spreadPlace(double start, uint32_t k, const Vec2d& shift) {
-    double u = start + 0.7548776662466927 * k + shift.x, v = start + 0.5698402909980532 * k + shift.y;
-    u -= std::floor(u), v -= std::floor(v);
-    return u + v > 1 ? Vec2d(1 - u, 1 - v) : Vec2d(u, v);
-}
-
 std::vector<Vec3f> spreadColours(const std::vector<Vec4f>& weighted, const std::vector<std::vector<uint32_t>>& neighbours) {
     std::vector<Vec3f> colour(weighted.size(), Vec3f(0));
     std::vector<uint8_t> known(weighted.size(), 0);
@@ -131,15 +121,11 @@ std::vector<Vec3f> spreadColours(const std::vector<Vec4f>& weighted, const std::
 std::vector<uint8_t> triangleFlags(std::span<const Vec3f> restPositions, std::span<const Triangle> triangles,
                                    std::span<const uint8_t> labels, std::span<const uint8_t> backs, const InitSettings& settings) {
     const auto [merged, placeCount] = mergeVertices(restPositions);
-    std::map<std::pair<uint32_t, uint32_t>, int> uses;
-    for (const Triangle& t : triangles)
-        for (int c = 0; c < 3; ++c) {
-            const uint32_t a = merged[t[c]], b = merged[t[(c + 1) % 3]];
-            if (a != b) ++uses[{std::min(a, b), std::max(a, b)}];
-        }
+    std::vector<Triangle> joined;
+    for (const Triangle& t : triangles) joined.push_back({merged[t.x], merged[t.y], merged[t.z]});
     std::vector<uint8_t> near(placeCount, 0);
-    for (const auto& [edge, count] : uses)
-        if (count == 1) near[edge.first] = near[edge.second] = 1;
+    for (const auto& [edge, count] : edgeUses(joined))
+        if (count == 1 && edge.first != edge.second) near[edge.first] = near[edge.second] = 1;
     for (size_t t = 0; t < backs.size(); ++t)
         for (int c = 0; c < 3 && backs[t]; ++c) near[merged[triangles[t][c]]] = 1;
     std::vector<uint8_t> open(triangles.size(), 0);
@@ -168,7 +154,7 @@ TriangleSight triangleSight(std::span<const JointData> joints, const MeshData& m
     std::vector<float> density(mesh.triangles.size(), 0.0f), shownM2(mesh.triangles.size(), 0.0f);
     std::vector<Vec3f> posed;
     for (const TrainFrame& f : frames) {
-        poseMesh(joints, mesh, f.pose, jobs, posed);
+        posedPositions(joints, mesh, f.pose, jobs, posed);
         const MeshRaster raster = rasteriseMesh(posed, mesh.triangles, f.camera);
         for (size_t i = 0; i < raster.triangle.size(); ++i) {
             const uint32_t t = raster.triangle[i];
@@ -237,7 +223,7 @@ TrainableSplats initialSplats(std::span<const JointData> joints, const MeshData&
     std::vector<float> weight(count, 0.0f);
     std::vector<Vec3f> posed;
     for (const TrainFrame& f : frames) {
-        poseMesh(joints, mesh, f.pose, jobs, posed);
+        posedPositions(joints, mesh, f.pose, jobs, posed);
         const MeshRaster raster = rasteriseMesh(posed, mesh.triangles, f.camera);
         const Vec3d eye = f.camera.eye();
         const float trust = f.kind == FrameKind::Dynamic ? 0.2f : 1.0f;

@@ -26,10 +26,6 @@ std::vector<uint8_t> triangleFlags(std::span<const Vec3f> restPositions, std::sp
  *  may uncover. Training leaves them as they start, in the colours of their neighbours. */
 constexpr int kRingsBelowClothes = 5;
 
-/** Place (u, v) of the k-th of evenly spread points in a triangle: the R2 low-discrepancy sequence from `start`, moved by `shift` and
- * folded into the triangle. */
-Vec2d spreadPlace(double start, uint32_t k, const Vec2d& shift = Vec2d(0));
-
 /** The triangles that share a merged vertex with each triangle, without itself. Ascending. */
 std::vector<std::vector<uint32_t>> triangleNeighbours(const MeshData& mesh);
 

@@ -6,6 +6,7 @@
 
 #include "reconstruction/surface/mesh_raster.h"
 #include "reconstruction/surface/orbit_camera.h"
+#include "reconstruction/surface/posed_positions.h"
 
 namespace dpl {
 namespace {
@@ -22,11 +23,9 @@ std::vector<uint8_t> seenBacks(std::span<const JointData> joints, const MeshData
     if (mesh.layers.size() < 2) return seen;
     const size_t first = mesh.layers.front().firstTriangle + mesh.layers.front().triangleCount;
     std::vector<std::atomic<uint32_t>> pixels(mesh.triangles.size());
-    std::vector<Mat3x4f> worldFromRest;
     std::vector<Vec3f> posed;
     for (const Pose& pose : poses) {
-        jointTransforms(joints, pose, worldFromRest);
-        skin(mesh, worldFromRest, jobs, posed);
+        posedPositions(joints, mesh, pose, jobs, posed);
         Vec3f low(1e30f), high(-1e30f);
         for (const Vec3f& p : posed) low = glm::min(low, p), high = glm::max(high, p);
         jobs.forBlocks(kAzimuths * std::size(kElevations), [&](size_t view, uint32_t) {

@@ -8,6 +8,7 @@
 #include "reconstruction/capture/frame_picture.h"
 #include "reconstruction/priors.h"
 #include "reconstruction/shape/large_steps.h"
+#include "reconstruction/shape/vertex_sets.h"
 #include "reconstruction/surface/contours.h"
 #include "reconstruction/surface/mesh_raster.h"
 #include "sdk/format/check_mesh.h"
@@ -135,36 +136,26 @@ private:
  *  the vertex itself. */
 std::vector<uint32_t> carriers(const MeshData& mesh) {
     const size_t count = mesh.restPositions.size();
-    std::vector<uint32_t> root(count);
-    std::iota(root.begin(), root.end(), 0u);
-    const auto find = [&](uint32_t v) {
-        while (root[v] != v) v = root[v] = root[root[v]];
-        return v;
-    };
-    const auto join = [&](uint32_t a, uint32_t b) {
-        a = find(a), b = find(b);
-        root[std::max(a, b)] = std::min(a, b);
-    };
-    for (const Triangle& t : mesh.triangles) join(t.x, t.y), join(t.y, t.z);
+    VertexSets parts(count, mesh.triangles);
     const auto& p = mesh.restPositions;
     const MergedVertices merged = mergeVertices(p);
     std::vector<uint32_t> firstAt(merged.count, UINT32_MAX);
     for (uint32_t v = 0; v < count; ++v) {
         uint32_t& first = firstAt[merged.placeOf[v]];
         if (first == UINT32_MAX) first = v;
-        join(v, first);
+        parts.join(v, first);
     }
     std::vector<uint32_t> size(count, 0);
-    for (uint32_t v = 0; v < count; ++v) ++size[find(v)];
+    for (uint32_t v = 0; v < count; ++v) ++size[parts.find(v)];
     const uint32_t largest = uint32_t(std::max_element(size.begin(), size.end()) - size.begin());
     std::vector<uint32_t> carrier(count);
     for (uint32_t v = 0; v < count; ++v) {
         carrier[v] = v;
-        if (size[find(v)] * 5 >= size[largest] || size[find(v)] == 1)
+        if (size[parts.find(v)] * 5 >= size[largest] || size[parts.find(v)] == 1)
             continue;  // a large part (a garment) moves by itself; a loose vertex has no triangles
         float nearest = 1e30f;
         for (uint32_t u = 0; u < count; ++u) {
-            if (find(u) != largest) continue;
+            if (parts.find(u) != largest) continue;
             const Vec3f d = p[u] - p[v];
             if (const float d2 = glm::dot(d, d); d2 < nearest) nearest = d2, carrier[v] = u;
         }

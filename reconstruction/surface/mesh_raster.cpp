@@ -56,6 +56,12 @@ MeshRaster rasteriseMesh(std::span<const Vec3f> positions, std::span<const Trian
     return raster;
 }
 
+double frontCosine(std::span<const Vec3f> positions, const Triangle& triangle, const Vec3d& eye) {
+    const Vec3d a(positions[triangle.x]), b(positions[triangle.y]), c(positions[triangle.z]);
+    const Vec3d normal = glm::cross(b - a, c - a), toEye = eye - a;
+    return glm::dot(normal, toEye) / std::max(1e-20, glm::length(normal) * glm::length(toEye));
+}
+
 double silhouetteIou(const MeshRaster& raster, std::span<const uint8_t> mask) {
     size_t both = 0, either = 0;
     for (size_t i = 0; i < raster.triangle.size() && i < mask.size(); ++i) {
@@ -72,9 +78,7 @@ void VertexColours::add(const MeshRaster& raster, std::span<const Vec3f> positio
     for (size_t pixel = 0; pixel < raster.triangle.size(); ++pixel) {
         if (raster.triangle[pixel] == kNoTriangle || !isPerson(mask[pixel])) continue;
         const Triangle& t = triangles[raster.triangle[pixel]];
-        const Vec3d a(positions[t.x]), b(positions[t.y]), c(positions[t.z]);
-        const Vec3d normal = glm::cross(b - a, c - a), toEye = eye - a;
-        const double cosine = glm::dot(normal, toEye) / std::max(1e-20, glm::length(normal) * glm::length(toEye));
+        const double cosine = frontCosine(positions, t, eye);
         if (cosine < 0.1) continue;
         const Vec2f uv = raster.barycentric[pixel];
         const double weights[3] = {1.0 - uv.x - uv.y, uv.x, uv.y};

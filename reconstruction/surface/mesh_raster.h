@@ -25,6 +25,9 @@ struct MeshRaster {
  *  5 cm to the camera is left out. Runs on one thread. */
 MeshRaster rasteriseMesh(std::span<const Vec3f> positions, std::span<const Triangle> triangles, const Camerad& camera);
 
+/** Cosine between the normal of a triangle and the way from its first corner to the eye; above 0 the eye sees its front. */
+double frontCosine(std::span<const Vec3f> positions, const Triangle& triangle, const Vec3d& eye);
+
 /** Intersection over union of the covered pixels with mask ≥ 128. 1 when both are empty. */
 double silhouetteIou(const MeshRaster& raster, std::span<const uint8_t> mask);
 

@@ -38,9 +38,7 @@ void TriangleLabels::add(const MeshRaster& raster, std::span<const Vec3f> positi
     for (size_t pixel = 0; pixel < raster.triangle.size(); ++pixel) {
         const uint32_t id = raster.triangle[pixel];
         if (id == kNoTriangle || !isPerson(mask[pixel]) || labels[pixel] == 0) continue;
-        const Vec3d a(positions[triangles[id].x]), b(positions[triangles[id].y]), c(positions[triangles[id].z]);
-        const Vec3d normal = glm::cross(b - a, c - a), toEye = eye - a;
-        const double cosine = glm::dot(normal, toEye) / std::max(1e-20, glm::length(normal) * glm::length(toEye));
+        const double cosine = frontCosine(positions, triangles[id], eye);
         if (!(cosine > 0.1)) continue;
         std::vector<float>& votes = votes_[labels[pixel]];
         votes.resize(triangleCount_, 0.0f);

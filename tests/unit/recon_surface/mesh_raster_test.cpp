@@ -48,6 +48,14 @@ TEST(MeshRaster, nearerTriangleWinsAndBehindTheCameraNothingIsDrawn) {
     EXPECT_EQ(silhouetteIou(empty, std::vector<uint8_t>(32 * 32, 255)), 0);
 }
 
+TEST(MeshRaster, theFrontOfATriangleHasACosineAboveZero) {
+    const std::vector<Vec3f> positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
+    EXPECT_NEAR(frontCosine(positions, {0, 1, 2}, {0, 0, 5}), 1, 1e-12);
+    EXPECT_NEAR(frontCosine(positions, {0, 2, 1}, {0, 0, 5}), -1, 1e-12);
+    EXPECT_NEAR(frontCosine(positions, {0, 1, 2}, {3, 0, 4}), 0.8, 1e-12);
+    EXPECT_EQ(frontCosine(positions, {0, 1, 1}, {0, 0, 5}), 0) << "no normal";
+}
+
 TEST(VertexColours, takesThePictureAndFillsWhatNobodySaw) {
     // A quad that the camera sees, and a vertex behind it, joined by an edge.
     const std::vector<Vec3f> positions = {{-1, -1, 3}, {-1, 1, 3}, {1, 1, 3}, {1, -1, 3}, {0, 0, 9}};
