@@ -8,56 +8,90 @@
 #include "reconstruction/splat/random.h"
 
 namespace dpl {
+namespace {
 
-DensityReport densify(TrainableSplats& splats, AdamRows& adam, DensityStatistics& statistics, std::span<const RestTriangle<float>> rest,
-                      std::span<const float> triangleSizeM, const DensitySettings& settings, uint64_t event) {
-    const uint32_t count = splats.count(), stride = splats.stride;
-    DensityReport report;
-    std::vector<uint8_t> keep(count, 1), grow(count, 0);
+/** Which splats stay, and which of those become two. */
+struct Choice {
+    std::vector<uint8_t> keep, grow;  // one a splat
+    uint32_t kept = 0, grown = 0;
+};
+
+Choice choose(const TrainableSplats& splats, const DensityStatistics& statistics, const DensitySettings& settings) {
+    const uint32_t count = splats.count();
+    Choice choice{std::vector<uint8_t>(count, 1), std::vector<uint8_t>(count, 0)};
     for (size_t t = 0; t + 1 < splats.triangleStart.size(); ++t) {
         uint32_t best = splats.triangleStart[t], left = 0;
         for (uint32_t i = splats.triangleStart[t]; i < splats.triangleStart[t + 1]; ++i) {
-            keep[i] = splats.opacity[i] >= settings.minOpacity;
-            left += keep[i];
+            choice.keep[i] = splats.opacity[i] >= settings.minOpacity;
+            left += choice.keep[i];
             if (splats.opacity[i] > splats.opacity[best]) best = i;
         }
-        if (left == 0 && splats.triangleStart[t + 1] > splats.triangleStart[t]) keep[best] = 1;
+        if (left == 0 && splats.triangleStart[t + 1] > splats.triangleStart[t]) choice.keep[best] = 1;
     }
-    uint32_t kept = 0;
-    for (uint8_t k : keep) kept += k;
-    report.pruned = count - kept;
-    const uint32_t room = settings.maxSplats > kept ? std::min(settings.maxGrowth, settings.maxSplats - kept) : 0;
+    for (uint8_t k : choice.keep) choice.kept += k;
+    const uint32_t room = settings.maxSplats > choice.kept ? std::min(settings.maxGrowth, settings.maxSplats - choice.kept) : 0;
     std::vector<uint32_t> order;
     const auto score = [&](uint32_t i) { return statistics.seen[i] ? statistics.gradientSum[i] / float(statistics.seen[i]) : 0.0f; };
     for (uint32_t i = 0; i < count; ++i)
-        if (keep[i] && score(i) > 0 && std::isfinite(score(i)) && splats.opacity[i] > 0.05f) order.push_back(i);
+        if (choice.keep[i] && score(i) > 0 && std::isfinite(score(i)) && splats.opacity[i] > 0.05f) order.push_back(i);
     std::stable_sort(order.begin(), order.end(), [&](uint32_t a, uint32_t b) { return score(a) > score(b); });
     if (order.size() > room) order.resize(room);
-    for (uint32_t i : order) grow[i] = 1;
+    for (uint32_t i : order) choice.grow[i] = 1;
+    choice.grown = uint32_t(order.size());
+    return choice;
+}
 
-    const uint32_t newCount = kept + uint32_t(order.size());
-    TrainableSplats out;
-    out.resize(newCount, splats.shDegree);
-    out.sizeFloorM = splats.sizeFloorM;
+/** The opacity 1 − √(1 − o), as a logit: two such splats together are as opaque as one of opacity o. */
+float halvedLogit(float opacity) {
+    const float through = std::sqrt(1 - opacity);
+    return std::log(std::max(1e-4f, 1 - through) / std::max(1e-4f, through));
+}
+
+/** New splats, placed one after another, with their Adam rows. */
+class Placement {
+public:
+    Placement(const TrainableSplats& from, const AdamRows& adam, uint32_t count) : from_(from), adam_(adam) {
+        splats.resize(count, from.shDegree);
+        splats.sizeFloorM = from.sizeFloorM;
+        moments.resize(count, from.stride);
+    }
+    TrainableSplats splats;
     AdamRows moments;
-    moments.resize(newCount, stride);
-    uint32_t at = 0;
-    const auto place = [&](uint32_t from, const float* row, bool withMoments) {
-        out.triangle[at] = splats.triangle[from], out.flags[at] = splats.flags[from];
-        std::copy_n(row, stride, out.rows.data() + size_t(at) * stride);
+
+    /** A splat with this row, on the triangle and with the flags of splat `origin`; with its moments, too, or with none. */
+    void add(uint32_t origin, const float* row, bool withMoments) {
+        const uint32_t stride = from_.stride;
+        splats.triangle[at_] = from_.triangle[origin], splats.flags[at_] = from_.flags[origin];
+        std::copy_n(row, stride, splats.rows.data() + size_t(at_) * stride);
         if (withMoments) {
-            std::copy_n(adam.first.data() + size_t(from) * stride, stride, moments.first.data() + size_t(at) * stride);
-            std::copy_n(adam.second.data() + size_t(from) * stride, stride, moments.second.data() + size_t(at) * stride);
-            moments.steps[at] = adam.steps[from];
+            std::copy_n(adam_.first.data() + size_t(origin) * stride, stride, moments.first.data() + size_t(at_) * stride);
+            std::copy_n(adam_.second.data() + size_t(origin) * stride, stride, moments.second.data() + size_t(at_) * stride);
+            moments.steps[at_] = adam_.steps[origin];
         }
-        ++at;
-    };
+        ++at_;
+    }
+
+private:
+    const TrainableSplats& from_;
+    const AdamRows& adam_;
+    uint32_t at_ = 0;
+};
+
+}  // namespace
+
+DensityReport densify(TrainableSplats& splats, AdamRows& adam, DensityStatistics& statistics, std::span<const RestTriangle<float>> rest,
+                      std::span<const float> triangleSizeM, const DensitySettings& settings, uint64_t event) {
+    const Choice choice = choose(splats, statistics, settings);
+    const uint32_t count = splats.count(), stride = splats.stride, newCount = choice.kept + choice.grown;
+    DensityReport report;
+    report.pruned = count - choice.kept;
+    Placement placement(splats, adam, newCount);
     std::vector<float> row(stride);
     for (uint32_t i = 0; i < count; ++i) {
-        if (!keep[i]) continue;
+        if (!choice.keep[i]) continue;
         const float* source = splats.rows.data() + size_t(i) * stride;
-        if (!grow[i]) {
-            place(i, source, true);
+        if (!choice.grow[i]) {
+            placement.add(i, source, true);
             continue;
         }
         const uint32_t t = splats.triangle[i];
@@ -68,11 +102,9 @@ DensityReport densify(TrainableSplats& splats, AdamRows& adam, DensityStatistics
         const float c = std::cos(source[kRowPhi]), sn = std::sin(source[kRowPhi]);
         for (uint32_t child = 0; child < 2; ++child) {
             std::copy_n(source, stride, row.data());
+            if (!big) row[kRowOpacityLogit] = halvedLogit(splats.opacity[i]);
             if (!big && child == 0) {
-                // The opacity 1 − √(1 − o) makes the two clones together as opaque as the original.
-                row[kRowOpacityLogit] =
-                    std::log(std::max(1e-4f, 1 - std::sqrt(1 - splats.opacity[i])) / std::max(1e-4f, std::sqrt(1 - splats.opacity[i])));
-                place(i, row.data(), true);
+                placement.add(i, row.data(), true);
                 continue;
             }
             const auto [n0, n1] = hashNormals(settings.seed, 100 + event, uint64_t(i) * 2 + child);
@@ -81,19 +113,14 @@ DensityReport densify(TrainableSplats& splats, AdamRows& adam, DensityStatistics
             const float x = c * a - sn * b, y = sn * a + c * b;  // in the triangle's rest plane, metres
             row[kRowU] += inverse.i00 * x + inverse.i01 * y;
             row[kRowV] += inverse.i11 * y;
-            if (big) {
-                row[kRowLogScale1] -= std::log(1.6f), row[kRowLogScale2] -= std::log(1.6f);
-            } else {
-                row[kRowOpacityLogit] =
-                    std::log(std::max(1e-4f, 1 - std::sqrt(1 - splats.opacity[i])) / std::max(1e-4f, std::sqrt(1 - splats.opacity[i])));
-            }
-            place(i, row.data(), false);
+            if (big) row[kRowLogScale1] -= std::log(1.6f), row[kRowLogScale2] -= std::log(1.6f);
+            placement.add(i, row.data(), false);
         }
     }
-    out.indexTriangles(splats.triangleStart.size() - 1);
-    out.activate(0, newCount);
-    splats = std::move(out);
-    adam = std::move(moments);
+    placement.splats.indexTriangles(splats.triangleStart.size() - 1);
+    placement.splats.activate(0, newCount);
+    splats = std::move(placement.splats);
+    adam = std::move(placement.moments);
     statistics.resize(newCount);
     return report;
 }
