@@ -6,6 +6,7 @@
 #include "reconstruction/garments/stress_poses.h"
 #include "reconstruction/garments/tuck_body.h"
 #include "reconstruction/package/sh_palette.h"
+#include "reconstruction/pipeline/mesh_votes.h"
 #include "reconstruction/pipeline/scan_motion.h"
 #include "reconstruction/splat/init.h"
 #include "sdk/core/evenly_spaced.h"

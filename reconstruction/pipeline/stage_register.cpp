@@ -3,6 +3,7 @@
 
 #include "reconstruction/body/swapped_sides.h"
 #include "reconstruction/garments/label_field.h"
+#include "reconstruction/pipeline/mesh_votes.h"
 #include "reconstruction/pipeline/precision_file.h"
 #include "reconstruction/pipeline/stage_keys.h"
 #include "reconstruction/pipeline/stages.h"

@@ -8,8 +8,6 @@
 
 #include "reconstruction/capture/frame_picture.h"
 #include "reconstruction/splat/train_images.h"
-#include "sdk/core/jobs.h"
-#include "sdk/format/avatar_data.h"
 
 namespace dpl {
 
@@ -73,18 +71,5 @@ void setPrecisions(FrameSet& set, std::span<const std::shared_ptr<const PosePrec
 /** Still training frames with a mask, without close-ups. Their silhouettes shape the surface and the garments. Where there are none, the
  *  moving ones. Indices into Scan::frames. */
 std::vector<size_t> silhouetteFrames(const IngestedScan& ingested);
-
-/** Label of every triangle of `mesh`, voted by the still training frames with labels; bodyLabel where none sees it. Empty when no frame has
- *  labels. */
-std::vector<uint8_t> voteTriangleLabels(const std::vector<JointData>& joints, const MeshData& mesh, const std::vector<TrainFrame>& frames,
-                                        uint8_t bodyLabel, Jobs& jobs);
-
-/** AvatarData::trainedPixelM of these frames: the median size of a pixel at the root joint, metres. The weight of a frame is the number of
- *  joints that it shows, so close-ups count little. 0 when no frame shows a joint. */
-float trainedPixelM(const std::vector<JointData>& joints, const std::vector<TrainFrame>& frames);
-
-/** Vertex colours from training frames, for viewers without splat support and for the report's mesh baseline. */
-std::vector<glm::u8vec4> gatherVertexColours(const std::vector<JointData>& joints, const MeshData& mesh,
-                                             const std::vector<TrainFrame>& frames, Jobs& jobs);
 
 }  // namespace dpl
