@@ -20,8 +20,8 @@ struct ContourPoint {
 /** The outline of a picture in scan order. The picture's border is not part of it, because nothing is known beyond it. */
 std::vector<ContourPoint> contourPoints(std::span<const uint8_t> inside, uint32_t widthPx, uint32_t heightPx);
 
-/** For each point of `from` the index of the nearest point of `to`, or UINT32_MAX when none lies within reachPx or the
- *  nearest has a normal 90° or more apart. The distance adds turnPx for normals that differ by 60°, so that the two sides of an arm are not
+/** For each point of `from` the index of the nearest point of `to`. UINT32_MAX when none lies within reachPx, or when the normal of the
+ *  nearest differs by 90° or more. The distance adds turnPx for normals that differ by 60°, so that the two sides of an arm are not
  *  confused. */
 std::vector<uint32_t> matchContours(std::span<const ContourPoint> from, std::span<const ContourPoint> to, double reachPx, double turnPx);
 
