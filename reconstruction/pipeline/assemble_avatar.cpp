@@ -30,9 +30,8 @@ void tuckUnseenBody(AssembledAvatar& assembled, Jobs& jobs) {
 }  // namespace
 
 nlohmann::json assembleInputs() {
-    return {{"shPaletteEntries", kAvatarPalette.maxEntries},
-            {"shPaletteLevels", kAvatarPalette.maxRmsLevels},
-            {"tuckedPoses", kTuckedPoses}};
+    return {
+        {"shPaletteEntries", kAvatarPalette.maxEntries}, {"shPaletteLevels", kAvatarPalette.maxRmsLevels}, {"tuckedPoses", kTuckedPoses}};
 }
 
 Result<AssembledAvatar> assembleAvatar(const std::vector<JointData>& joints, const ClothedMesh& clothed, const CoOptimiseResult& trained,
