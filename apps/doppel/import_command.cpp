@@ -22,7 +22,7 @@ void addImportCommand(CLI::App& app, CommandRun& run) {
         ->check(inRange(1, 2000))
         ->capture_default_str();
     command->add_option("--motion-frames", options->counts.moving, "Most frames of motion")->check(inRange(1, 2000))->capture_default_str();
-    command->add_option("--long-side", options->longSidePx, "Pixels of the longer side to which videos are reduced")
+    command->add_option("--long-side", options->longSidePx, "Pixels of the longer side to which videos and photos are reduced")
         ->check(inRange(64, 8192))
         ->capture_default_str();
     command

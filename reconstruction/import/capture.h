@@ -35,7 +35,8 @@ struct Capture {
     bool splitStated = false;
     std::string protocol;                    // of a published evaluation, kept in the scan; empty: none
     std::vector<std::string> keypointNames;  // empty: the capture has no keypoints
-    double focalGuessPx = 0;                 // without cameras: from EXIF, in pixels of the pictures; 0: unknown
+    double focalGuessPx = 0;                 // without cameras: from EXIF, in pixels of the frames; 0: unknown
+    uint32_t longSidePx = 0;                 // pictures become frames of at most this longer side; 0: as large as they are
     std::vector<CapturePicture> pictures;
     std::vector<std::string> notes;  // sentences about what was left out or assumed
 };

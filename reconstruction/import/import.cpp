@@ -57,7 +57,7 @@ Result<Capture> readLayout(const CaptureLayout& layout, const ImportOptions& opt
         case CaptureKind::CalibratedVideos:
             return readCalibratedVideos(layout.root, layout.calibration, options.counts, work);
         case CaptureKind::Photos:
-            return readPhotos(layout.root);
+            return readPhotos(layout.root, options.longSidePx);
         case CaptureKind::Video:
             break;
     }

@@ -14,7 +14,7 @@ struct ImportOptions {
     VideoSources videos;           // `undivided` is set from `source`
     std::filesystem::path out;     // scan folder to make: new, or empty
     FrameCounts counts;
-    uint32_t longSidePx = 1920;  // of frames from videos
+    uint32_t longSidePx = 1920;  // of frames from videos and photos, at most
     double heightM = 0;          // of the subject, kept in the scan; 0: unknown
 };
 

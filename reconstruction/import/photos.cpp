@@ -12,10 +12,12 @@ namespace dpl {
 
 namespace fs = std::filesystem;
 
-Result<Capture> readPhotos(const fs::path& folder) {
+Result<Capture> readPhotos(const fs::path& folder, uint32_t longSidePx) {
     Capture capture;
+    capture.longSidePx = longSidePx;
     capture.what = "folder of photos";
     std::vector<double> focals;
+    size_t reduced = 0;
     for (const fs::path& image : picturesIn(folder)) {
         if (capture.pictures.size() >= kMaxFrames)
             return fail(Code::Unsupported, "{}: more than {} pictures; remove some", folder.string(), kMaxFrames);
@@ -27,10 +29,14 @@ Result<Capture> readPhotos(const fs::path& folder) {
         picture.image = image;
         DPL_TRY(const auto bytes, readCompleteImage(image));
         DPL_TRY(const ImageHeader header, probeImage(image));
+        const double shrink = std::min(1.0, double(longSidePx) / std::max(header.widthPx, header.heightPx));
+        reduced += shrink < 1;
         if (const ExifFields exif = readExif(bytes); exif.focalLength35Mm > 0)
-            focals.push_back(focalFrom35Mm(exif.focalLength35Mm, header.widthPx, header.heightPx));
+            focals.push_back(shrink * focalFrom35Mm(exif.focalLength35Mm, header.widthPx, header.heightPx));
         capture.pictures.push_back(std::move(picture));
     }
+    if (reduced > 0)
+        capture.notes.push_back(formatText("{} photos are reduced to {} pixels on their longer side (--long-side)", reduced, longSidePx));
     if (focals.empty()) {
         capture.notes.push_back("no photo states a focal length (EXIF); it is estimated with the cameras");
         return capture;

@@ -35,7 +35,7 @@ struct Record3dFrames {
 Result<Record3dFrames> parseRecord3d(const nlohmann::json& metadata, const std::string& where);
 
 /** Photos without cameras. */
-Result<Capture> readPhotos(const std::filesystem::path& folder);
+Result<Capture> readPhotos(const std::filesystem::path& folder, uint32_t longSidePx);
 
 /** Gives a camera the size of its stored picture: the same size, or the same shape and another size, for which it is scaled. */
 Status fitToPicture(Camerad& camera, const std::filesystem::path& image, const std::string& where);

@@ -2,8 +2,10 @@
 #include "reconstruction/import/write_scan.h"
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 #include <nlohmann/json.hpp>
+#include <opencv2/imgproc.hpp>
 
 #include "reconstruction/capture/image_file.h"
 #include "reconstruction/import/exif.h"
@@ -17,9 +19,9 @@ using nlohmann::json;
 
 namespace {
 
-constexpr int kJpegQuality = 95;             // of pictures that had to be turned
+constexpr int kJpegQuality = 95;             // of pictures that had to be turned or reduced
 constexpr uint8_t kGrey = 128;               // behind pixels that alpha makes fully transparent
-using Size = std::pair<uint32_t, uint32_t>;  // of an upright picture, px
+using Size = std::pair<uint32_t, uint32_t>;  // width and height, px
 
 bool isJpeg(const std::vector<uint8_t>& bytes) {
     return bytes.size() >= 2 && bytes[0] == 0xff && bytes[1] == 0xd8;
@@ -78,15 +80,35 @@ Turn turnOf(const Capture& capture, const CapturePicture& picture, const std::ve
     return capture.metricWorld ? uprightTurn(*picture.camera) : Turn{};
 }
 
-/** Size of the picture once it is upright. */
-Result<Size> uprightSize(const Capture& capture, const CapturePicture& picture) {
+/** The size that a picture of this size has as a frame. */
+Size reducedSize(const Capture& capture, Size size) {
+    const uint32_t longSide = std::max(size.first, size.second);
+    if (capture.longSidePx == 0 || longSide <= capture.longSidePx) return size;
+    const auto shrink = [&](uint32_t side) {
+        return std::max<uint32_t>(1, uint32_t(std::lround(double(side) * capture.longSidePx / longSide)));
+    };
+    return {shrink(size.first), shrink(size.second)};
+}
+
+Picture reduced(Picture picture, Size size) {
+    if (Size{picture.widthPx, picture.heightPx} == size) return picture;
+    Picture out{size.first, size.second, picture.channels, std::vector<uint8_t>(size_t(size.first) * size.second * picture.channels)};
+    const int type = CV_8UC(int(picture.channels));
+    cv::Mat small(int(size.second), int(size.first), type, out.pixels.data());
+    cv::resize(cv::Mat(int(picture.heightPx), int(picture.widthPx), type, picture.pixels.data()), small, small.size(), 0, 0,
+               cv::INTER_AREA);
+    return out;
+}
+
+/** Size of the picture as a frame: upright, and reduced where it is too large. */
+Result<Size> frameSize(const Capture& capture, const CapturePicture& picture) {
     DPL_TRY(const ImageHeader header, probeImage(picture.image));
     std::vector<uint8_t> bytes;
     if (!picture.camera) {
         DPL_TRY(bytes, readFile(picture.image, kMaxFileBytes));
     }
     const Turn turn = turnOf(capture, picture, bytes);
-    return turn.quarters % 2 == 0 ? Size{header.widthPx, header.heightPx} : Size{header.heightPx, header.widthPx};
+    return reducedSize(capture, turn.quarters % 2 == 0 ? Size{header.widthPx, header.heightPx} : Size{header.heightPx, header.widthPx});
 }
 
 class ScanWriter {
@@ -126,18 +148,23 @@ private:
 
     Status writePicture(const CapturePicture& picture, const std::vector<uint8_t>& bytes, Turn turn, json& entry) {
         const bool jpeg = isJpeg(bytes), alpha = hasAlpha(bytes) && picture.mask.empty();
-        if (turn.none() && !alpha) return save("images", picture.name + (jpeg ? ".jpg" : ".png"), bytes, entry, "image");
+        DPL_TRY(const ImageHeader header, naming(picture.image, probeImage(picture.image)));
+        const Size asStored = {header.widthPx, header.heightPx};
+        if (turn.none() && !alpha && reducedSize(capture_, asStored) == asStored)
+            return save("images", picture.name + (jpeg ? ".jpg" : ".png"), bytes, entry, "image");
         DPL_TRY(Picture stored, naming(picture.image, decodePicture(bytes, alpha ? PictureChannels::AsStored : PictureChannels::Rgb)));
         Picture upright = turned(stored, turn);
+        const Size size = reducedSize(capture_, {upright.widthPx, upright.heightPx});
         if (upright.channels == 4) {
             Picture colour, mask;
             splitAlpha(upright, colour, mask);
-            upright = std::move(colour);
+            upright = std::move(colour), mask = reduced(std::move(mask), size);
             if (std::any_of(mask.pixels.begin(), mask.pixels.end(), [](uint8_t value) { return value != 255; })) {
                 DPL_TRY(const auto maskBytes, encodePng(mask.pixels, mask.widthPx, mask.heightPx, 1));
                 DPL_CHECK_OK(save("masks", picture.name + ".png", maskBytes, entry, "mask"));
             }
         }
+        upright = reduced(std::move(upright), size);
         DPL_TRY(const auto encoded, jpeg ? encodeJpeg(upright.pixels, upright.widthPx, upright.heightPx, upright.channels, kJpegQuality)
                                          : encodePng(upright.pixels, upright.widthPx, upright.heightPx, upright.channels));
         return save("images", picture.name + (jpeg ? ".jpg" : ".png"), encoded, entry, "image");
@@ -208,7 +235,7 @@ Status writeScan(Capture& capture, const std::string& name, double heightM, cons
     std::map<Size, size_t> counts;
     for (const CapturePicture& picture : capture.pictures) {
         DPL_CHECK_OK(checkProgress(progress, 0, "looking at the pictures"));
-        DPL_TRY(const Size size, uprightSize(capture, picture));
+        DPL_TRY(const Size size, frameSize(capture, picture));
         sizes.push_back(size);
         ++counts[size];
     }

@@ -29,7 +29,7 @@ json stateOf(const std::vector<fs::path>& paths) {
 
 /** What the import of these files depends on. */
 std::string keyOf(const ImportOptions& options, const std::vector<fs::path>& source) {
-    json key = {{"version", 1}, {"long_side", options.longSidePx}, {"height", options.heightM}};
+    json key = {{"version", 2}, {"long_side", options.longSidePx}, {"height", options.heightM}};
     if (!options.source.empty()) key["source"] = stateOf(source);
     for (const auto& [name, list] :
          {std::pair{"static", &options.videos.still}, {"closeup", &options.videos.closeup}, {"motion", &options.videos.moving}})

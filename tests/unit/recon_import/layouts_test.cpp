@@ -198,6 +198,27 @@ TEST(Layouts, photosAreTurnedByExifAndStateAFocalLength) {
     }
 }
 
+TEST(Layouts, largePhotosAreReducedAndTheirFocalLengthWithThem) {
+    TemporaryFolder folder;
+    const auto stored = jpegOf(spotPicture(256, 192, 2.0 * kMadeSensorPixel));
+    for (int i : {1, 2, 3}) writeBytes(folder.path / formatText("photos/IMG_{}.jpg", i), withExif(stored, 6, 26));
+    ImportOptions options;
+    options.source = folder.path / "photos", options.out = folder.path / "scan", options.longSidePx = 128;
+    const auto summary = importCapture(options, nullptr, {});
+    ASSERT_TRUE(summary) << summary.error().message;
+    EXPECT_TRUE(mentions(*summary, {"3 photos are reduced to 128 pixels"}));
+    const auto scan = readScan(options.out, ScanCameras::MayLack);
+    ASSERT_TRUE(scan) << scan.error().message;
+    EXPECT_NEAR(scan->focalGuessPx, 26 * 160 / std::hypot(36.0, 24.0), 1e-9) << "of the reduced picture, whose diagonal is 160 px";
+    for (const ScanFrame& frame : scan->frames) {
+        const auto image = readFrameImage(frame);
+        ASSERT_TRUE(image) << image.error().message;
+        ASSERT_EQ(image->widthPx, 96u);
+        ASSERT_EQ(image->heightPx, 128u);
+        EXPECT_LT(glm::length(spotIn(*image) - kMadePixel), 0.3) << frame.name;
+    }
+}
+
 TEST(Layouts, photosOfAnotherSizeAreLeftOutByName) {
     TemporaryFolder folder;
     for (int i = 0; i < 4; ++i) writeBytes(folder.path / formatText("p/{}.jpg", i), jpegOf(spotPicture(96, 128, kMadePixel)));
