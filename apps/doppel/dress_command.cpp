@@ -70,6 +70,8 @@ void addDressCommand(CLI::App& app, CommandRun& run) {
         "and pushed out of it; its splats move along. A layer that the avatar lacks is added. Skin that the change uncovers and that no\n"
         "picture showed takes the colour of the skin around it.");
     command->callback([options, &run] {
+        refuseInputAsOutput(options->out, {options->avatar});
+        refuseInputAsOutput(options->out, {options->from.begin(), options->from.end()});
         run = [options] {
             Status done = dress(*options);
             return done ? int(kExitOk) : reportError(done.error());

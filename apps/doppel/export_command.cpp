@@ -26,6 +26,7 @@ void addExportCommand(CLI::App& app, CommandRun& run) {
         "  doppel export ada/avatar.glb -o stride.glb --clip 02_01.bvh --time 0.8\n"
         "  doppel export guitar.spz -o guitar.ply");
     command->callback([options, &run] {
+        refuseInputAsOutput(options->out, {options->avatar, options->clip});
         run = [options] {
             auto line = exportPosedSplats(*options);
             if (!line) return reportError(line.error());

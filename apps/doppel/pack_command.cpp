@@ -83,6 +83,7 @@ void addPackCommand(CLI::App& app, CommandRun& run) {
         "it leaves out splats that few pixels see, replaces SH coefficients by a palette, leaves out modes of the pose correctives,\n"
         "or stores a splat's place, angle, size, opacity or colour with fewer bits.");
     command->callback([options, talk, &run] {
+        refuseInputAsOutput(options->out, {options->avatar});
         run = [options, talk] {
             const auto packed = pack(*options, *talk);
             if (!packed) return talk->fail(packed.error());

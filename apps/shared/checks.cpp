@@ -2,7 +2,6 @@
 #include "apps/shared/checks.h"
 
 #include <algorithm>
-#include <filesystem>
 #include <numeric>
 
 #include "sdk/core/numbers.h"
@@ -78,6 +77,14 @@ CLI::Validator isOutputFile(std::vector<std::string> extensions, bool orFolder) 
         return {};
     };
     return {check, allowed.empty() ? "FILE" : allowed};
+}
+
+void refuseInputAsOutput(const std::filesystem::path& out, const std::vector<std::filesystem::path>& inputs) {
+    for (const std::filesystem::path& input : inputs) {
+        std::error_code missing;
+        if (std::filesystem::equivalent(out, input, missing))
+            throw CLI::ValidationError("--out", formatText("{} is the input {} itself; choose another -o", out.string(), input.string()));
+    }
 }
 
 std::string unknownCommand(const CLI::App& app, int argc, const char* const* argv) {

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <CLI/CLI.hpp>
+#include <filesystem>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -25,6 +26,10 @@ CLI::Validator isPictureSize();
 /** Accepts a path that a file can be written to: its folder exists, it is not itself a folder, and its extension is one of `extensions`
  *  (with dots; empty: any extension). With `orFolder`, a path without an extension is accepted too and names a folder. */
 CLI::Validator isOutputFile(std::vector<std::string> extensions = {}, bool orFolder = false);
+
+/** Throws CLI::ValidationError if `out` is one of `inputs`, which writing it would destroy. Links are followed. Inputs that are empty or
+ *  do not exist are skipped. For the callback of a command, where all its arguments are known. */
+void refuseInputAsOutput(const std::filesystem::path& out, const std::vector<std::filesystem::path>& inputs);
 
 /** The error for a first word that names no command: "unknown command 'rendr'; did you mean 'render'? ...". Empty when the word is a
  * command. Skips options before the command, which take no values. */

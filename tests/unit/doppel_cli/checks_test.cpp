@@ -5,6 +5,7 @@
 #include <unistd.h>
 
 #include <filesystem>
+#include <fstream>
 
 namespace {
 
@@ -43,6 +44,26 @@ TEST(OutputFile, isRefusedBeforeTheWorkWhenItCouldNotBeWritten) {
     const CLI::Validator picture = isOutputFile({".png"}, /*orFolder=*/true);
     EXPECT_TRUE(accepts(picture, in("frames"))) << "a folder that does not exist yet";
     EXPECT_FALSE(accepts(picture, in("a.jpg")));
+    std::filesystem::remove_all(folder);
+}
+
+TEST(InputAsOutput, isRefusedAlsoThroughLinks) {
+    const auto folder = std::filesystem::temp_directory_path() / ("doppel_inputs_" + std::to_string(::getpid()));
+    std::filesystem::create_directories(folder / "scan");
+    const auto in = [&](const char* name) { return folder / name; };
+    for (const char* name : {"a.glb", "b.glb"}) std::ofstream(in(name)) << name;
+    std::filesystem::create_symlink("b.glb", in("link.glb"));
+    std::filesystem::create_symlink("scan", in("scan-link"));
+    EXPECT_NO_THROW(refuseInputAsOutput(in("a.glb"), {in("b.glb"), in("link.glb"), "", in("nowhere.glb")}));
+    EXPECT_NO_THROW(refuseInputAsOutput(in("new.glb"), {in("a.glb"), ""}));
+    EXPECT_THROW(refuseInputAsOutput(in("scan/../scan-link"), {in("scan")}), CLI::ValidationError);
+    try {
+        refuseInputAsOutput(in("link.glb"), {in("a.glb"), in("b.glb")});
+        ADD_FAILURE() << "the input would be overwritten";
+    } catch (const CLI::ValidationError& error) {
+        EXPECT_EQ(error.what(),
+                  "--out: " + in("link.glb").string() + " is the input " + in("b.glb").string() + " itself; choose another -o");
+    }
     std::filesystem::remove_all(folder);
 }
 

@@ -1,0 +1,30 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: Apache-2.0
+# Arguments that `doppel` refuses before any work: exit code 2, a sentence, and no file changed.
+# usage: arguments_test.sh DOPPEL MAKE_TINY_AVATAR WORKDIR
+set -euo pipefail
+doppel="$1" make_tiny_avatar="$2" work="$3"
+rm -rf "$work" && mkdir -p "$work"
+cd "$work"
+failures=0
+failed() { echo "FAILED: $1" >&2; failures=$((failures + 1)); }
+# refuses PATTERN WORDS...: `doppel WORDS` must exit with 2 and print PATTERN.
+refuses() {
+    local pattern="$1" status=0
+    shift
+    "$doppel" "$@" >out.log 2>&1 </dev/null || status=$?
+    if [ $status -eq 2 ] && grep -qE -- "$pattern" out.log; then echo "ok: $*"; else failed "$* (exit $status): $(tail -n 3 out.log)"; fi
+}
+
+"$make_tiny_avatar" a.glb
+cp a.glb b.glb
+ln -s a.glb link.glb
+cp a.glb kept
+refuses "a.glb is the input a.glb itself; choose another -o" export a.glb -o a.glb
+refuses "b.glb is the input b.glb itself" export a.glb --clip b.glb -o b.glb
+refuses "link.glb is the input a.glb itself" pack a.glb -o link.glb
+refuses "a.glb is the input link.glb itself" dress link.glb --top b.glb -o a.glb
+refuses "b.glb is the input ./b.glb itself" dress a.glb --top ./b.glb -o b.glb
+for file in a.glb b.glb; do cmp -s $file kept || failed "$file was overwritten"; done
+
+[ $failures -eq 0 ] || { echo "$failures failed" >&2; exit 1; }
