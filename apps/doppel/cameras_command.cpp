@@ -24,6 +24,7 @@ void addCamerasCommand(CLI::App& app, CommandRun& run) {
         "  doppel cameras walk -o ada --height 1.74\n"
         "  doppel cameras scan-without -o test --truth scan");
     command->callback([options, &run] {
+        refuseInputAsOutput(options->out, {options->scan, options->truth});
         run = [options] {
             Progress progress;
             const auto summary = findCameras(*options, progress);

@@ -18,6 +18,7 @@ void addCheckCommand(CLI::App& app, CommandRun& run) {
         "  doppel check --static orbit.mp4 --closeup face.mov -o ada\n"
         "docs/guides/capture.md says how to film.");
     command->callback([options, talk, &run] {
+        refuseInputAsOutput(options->out, {options->scan});
         run = [options, talk] {
             if (options->scan.empty() && !anyVideo(options->videos)) return talk->fail(missingSource());
             Progress progress(talk->style());

@@ -51,6 +51,7 @@ void addReconstructCommand(CLI::App& app, CommandRun& run) {
     command->callback([options, talk, &run] {
         run = [options, talk] {
             if (options->scan.empty() && !anyVideo(options->videos)) return talk->fail(missingSource());
+        refuseInputAsOutput(options->out, {options->scan});
             Progress progress(talk->style());
             const auto result = reconstruct(*options, progress);
             if (!result) return talk->fail(result.error());

@@ -27,4 +27,10 @@ refuses "a.glb is the input link.glb itself" dress link.glb --top b.glb -o a.glb
 refuses "b.glb is the input ./b.glb itself" dress a.glb --top ./b.glb -o b.glb
 for file in a.glb b.glb; do cmp -s $file kept || failed "$file was overwritten"; done
 
+mkdir scan
+ln -s scan scan-link
+for command in reconstruct check cameras; do refuses "scan-link is the input scan itself; choose another -o" $command scan -o scan-link; done
+refuses "scan is the input ./scan itself" cameras blind --truth ./scan -o scan
+[ -z "$(ls scan)" ] || failed "stages were written into the scan: $(ls scan)"
+
 [ $failures -eq 0 ] || { echo "$failures failed" >&2; exit 1; }
