@@ -19,7 +19,7 @@ void addExportCommand(CLI::App& app, CommandRun& run) {
         ->required()
         ->check(isOutputFile({".ply", ".glb"}));
     command->add_option("--clip", options->clip, "A clip of the avatar by name, or a BVH or glTF file; default: the rest pose");
-    command->add_option("--time", options->timeS, "Time in the clip, seconds")->check(inRange(0.0, 1e6));
+    command->add_option("--time", options->timeS, "Time in the clip, seconds")->check(inRange(0.0, 1e6))->needs("--clip");
     command->footer(
         "Examples:\n"
         "  doppel export ada/avatar.glb -o ada.ply\n"

@@ -196,14 +196,25 @@ Result<size_t> renderShots(const RenderOptions& options, const doppel::Context& 
 
 /** Refuses options that would pose general splats, because these have no joints. */
 Status checkStill(const RenderOptions& options, const fs::path& file) {
-    const char* posing = !options.clip.empty()    ? "--clip"
-                         : !options.scan.empty()  ? "--scan"
-                         : !options.poses.empty() ? "--poses"
-                         : options.timeS > 0      ? "--time"
-                                                  : nullptr;
+    const char* posing = !options.clip.empty() ? "--clip" : !options.scan.empty() ? "--scan" : options.timeS > 0 ? "--time" : nullptr;
     if (posing)
         return fail(Code::InvalidArgument, "{}: {} holds general splats, which have no joints to pose; leave the option out", posing,
                     file.string());
+    return {};
+}
+
+/** Why --out cannot be written, or does not go with the other options. Empty if it can. */
+std::string wrongOutput(const RenderOptions& options) {
+    std::string out = options.out.string();
+    const std::string extension = options.out.extension().string();
+    if (options.scan.empty()) {
+        if (extension == ".png" && (options.turntable || options.seconds > 0))
+            return formatText("{} is one picture, and {} makes many; name a .mp4 or a folder", out,
+                              options.turntable ? "--turntable" : "--seconds");
+        return isOutputFile({".png", ".mp4"}, /*orFolder=*/true)(out);
+    }
+    if (extension == ".png" || extension == ".mp4")
+        return formatText("{}: with --scan the output is a folder of PNG files; name a folder", out);
     return {};
 }
 
@@ -266,15 +277,20 @@ void addRenderCommand(CLI::App& app, CommandRun& run) {
     command->add_flag("--stereo", options->stereo, "Left and right eye side by side, 63 mm apart");
     command->add_option("--size", options->size, "Size of one view")->check(isPictureSize())->capture_default_str();
     command->add_option("--scan", options->scan, "Draw the frames of this scan from its own cameras, one PNG with alpha for each frame");
-    command->get_option("--scan")->excludes("--with");
+    for (const char* other : {"--with", "--clip", "--time", "--seconds", "--turntable", "--azimuth", "--stereo", "--size"})
+        command->get_option("--scan")->excludes(other);
     command->add_option("--split", options->split, "With --scan: which frames to draw")
         ->check(CLI::IsMember({"test", "validation", "train", "all"}))
-        ->capture_default_str();
-    command->add_option("--poses", options->poses, "poses.json of the reconstruction (default: beside the avatar)");
+        ->capture_default_str()
+        ->needs("--scan");
+    command->add_option("--poses", options->poses, "With --scan: poses.json of the reconstruction (default: beside the avatar)")
+        ->needs("--scan");
     command->add_option("--scale", options->scale, "With --scan: size of the pictures as a multiple of the scan's")
         ->check(inRange(0.05, 16.0))
-        ->capture_default_str();
-    command->add_flag("--without-pose-fit", options->unfitted, "With --scan: draw held-out frames in the poses from before the pose fit");
+        ->capture_default_str()
+        ->needs("--scan");
+    command->add_flag("--without-pose-fit", options->unfitted, "With --scan: draw held-out frames in the poses from before the pose fit")
+        ->needs("--scan");
     command->add_option("--renderer", options->renderer, "auto: a GPU if there is one, otherwise the CPU")
         ->check(CLI::IsMember({"auto", "software", "vulkan"}))
         ->capture_default_str();
@@ -301,9 +317,7 @@ void addRenderCommand(CLI::App& app, CommandRun& run) {
         "  doppel render guitar.compressed.ply -o guitar.mp4 --turntable --axes y-down\n"
         "  doppel render ada/avatar.glb -o views --scan scan --split test      (score them with your own tools)");
     command->callback([options, talk, &run] {
-        std::string out = options->out.string();
-        const std::string wrong = options->scan.empty() ? isOutputFile({".png", ".mp4"}, /*orFolder=*/true)(out) : std::string();
-        if (!wrong.empty()) throw CLI::ValidationError("--out", wrong);
+        if (const std::string wrong = wrongOutput(*options); !wrong.empty()) throw CLI::ValidationError("--out", wrong);
         run = [options, talk] {
             const auto drawn = renderAll(*options, *talk);
             return drawn ? talk->succeed("", *drawn) : talk->fail(drawn.error());

@@ -33,4 +33,21 @@ for command in reconstruct check cameras; do refuses "scan-link is the input sca
 refuses "scan is the input ./scan itself" cameras blind --truth ./scan -o scan
 [ -z "$(ls scan)" ] || failed "stages were written into the scan: $(ls scan)"
 
+for out in views.png views.mp4; do refuses "$out: with --scan the output is a folder" render a.glb --scan scan -o $out; done
+[ ! -e views.png ] && [ ! -e views.mp4 ] || failed "a refused render made its output"
+
+for option in "--split train" "--poses p.json" "--scale 2" --without-pose-fit; do
+    # shellcheck disable=SC2086  # an option and its value are words
+    refuses "${option%% *} requires --scan" render a.glb -o a.png $option
+done
+for option in "--size 8x8" --stereo --turntable "--seconds 1" "--clip walk" "--time 1" "--azimuth 5"; do
+    # shellcheck disable=SC2086
+    refuses "excludes" render a.glb -o views --scan scan $option
+done
+refuses "--time requires --clip" export a.glb -o a.ply --time 1
+for option in --turntable "--seconds 2"; do
+    # shellcheck disable=SC2086
+    refuses "a.png is one picture, and ${option%% *} makes many" render a.glb -o a.png $option
+done
+
 [ $failures -eq 0 ] || { echo "$failures failed" >&2; exit 1; }
