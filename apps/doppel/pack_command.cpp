@@ -69,7 +69,9 @@ void addPackCommand(CLI::App& app, CommandRun& run) {
     command->add_option("--pictures", options->pictures, "Number of random views and poses that are drawn to measure the error")
         ->check(inRange(1, 1000))
         ->capture_default_str();
-    command->add_option("--seed", options->seed, "Seed of views and poses; same seed, same bytes")->capture_default_str();
+    command->add_option("--seed", options->seed, "Seed of views and poses; same seed, same bytes")
+        ->check(isWholeNumber())
+        ->capture_default_str();
     command->add_option("--threads", options->threadCount, "CPU threads; 0: one for each core. The result is the same for any number")
         ->check(inRange(0, 256));
     const auto talk = addTalkOptions(*command);

@@ -27,7 +27,9 @@ void addReconstructCommand(CLI::App& app, CommandRun& run) {
     command->add_option("--checkpoint-every", options->checkpointS, "Seconds of training that a kill may lose")
         ->check(inRange(0.0, 1e5))
         ->capture_default_str();
-    command->add_option("--seed", options->seed, "Seed of every random choice; same seed, same bytes")->capture_default_str();
+    command->add_option("--seed", options->seed, "Seed of every random choice; same seed, same bytes")
+        ->check(isWholeNumber())
+        ->capture_default_str();
     const auto leaveOut = [options](const std::vector<std::string>& parts) {
         for (const std::string& part : parts)
             (part == "layers"        ? options->without.layers
@@ -49,9 +51,9 @@ void addReconstructCommand(CLI::App& app, CommandRun& run) {
         "  doppel reconstruct orbit -o him     (pictures and cameras only: the networks of tools/models find the rest)\n"
         "Ctrl-C or a kill loses at most one checkpoint interval; the same command continues.");
     command->callback([options, talk, &run] {
+        refuseInputAsOutput(options->out, {options->scan});
         run = [options, talk] {
             if (options->scan.empty() && !anyVideo(options->videos)) return talk->fail(missingSource());
-        refuseInputAsOutput(options->out, {options->scan});
             Progress progress(talk->style());
             const auto result = reconstruct(*options, progress);
             if (!result) return talk->fail(result.error());

@@ -303,7 +303,8 @@ void addRenderCommand(CLI::App& app, CommandRun& run) {
             formatText("Level of detail: the most splats to keep for each pixel; {} is hard to tell from all splats, 0: all splats",
                        DPL_DETAIL_USUAL))
         ->check(inRange(0.0, 1e6));
-    command->add_option("--splat-budget", options->splatBudget, "The most splats to draw for all avatars together; 0: no limit");
+    command->add_option("--splat-budget", options->splatBudget, "The most splats to draw for all avatars together; 0: no limit")
+        ->check(isWholeNumber(UINT32_MAX));
     command->add_option("--threads", options->threadCount, "CPU threads; 0: one for each core")->check(inRange(0, 256));
     const auto talk = addTalkOptions(*command);
     command->footer(

@@ -19,7 +19,9 @@ void addSampleCommand(CLI::App& app, CommandRun& run) {
     auto options = std::make_shared<Options>();
     CLI::App* command = app.add_subcommand("sample", "Make the scan of a procedural person, with the true shape and poses");
     command->add_option("-o,--out", options->out, "Scan folder to make; if it exists it must be empty")->required();
-    command->add_option("--seed", options->seed, "Which person: shape, colours, clothes, motion")->capture_default_str();
+    command->add_option("--seed", options->seed, "Which person: shape, colours, clothes, motion")
+        ->check(isWholeNumber())
+        ->capture_default_str();
     command->add_flag("--small", options->small, "Pictures of half the size and fewer frames, for quick tests");
     command->add_option("--size", options->size, "Size of the pictures; default 378x504, with --small 189x252")->check(isPictureSize());
     command->add_flag("--skirt", options->skirt, "A wide skirt that swings, in place of shorts");

@@ -42,6 +42,15 @@ CLI::Validator inRange(double low, double high) {
     return {check, formatText("from {} to {}", low, high)};
 }
 
+CLI::Validator isWholeNumber(uint64_t high) {
+    const auto check = [high](const std::string& text) -> std::string {
+        uint64_t value = 0;
+        if (readNumber(text, value) && value <= high) return {};
+        return formatText("'{}' is not a whole number from 0 to {}", text, high);
+    };
+    return {check, formatText("from 0 to {}", high)};
+}
+
 std::optional<PictureSize> parsePictureSize(std::string_view text) {
     PictureSize size;
     const size_t x = text.find('x');

@@ -14,6 +14,9 @@ namespace dpl {
 /** Accepts a finite number from low to high, both included. Used instead of CLI::Range, which accepts NaN. */
 CLI::Validator inRange(double low, double high);
 
+/** Accepts a whole number from 0 to high, in digits. The parser itself takes -1 for an unsigned number as the largest one. */
+CLI::Validator isWholeNumber(uint64_t high = UINT64_MAX);
+
 /** Width and height of a picture. */
 struct PictureSize {
     uint32_t widthPx = 0, heightPx = 0;

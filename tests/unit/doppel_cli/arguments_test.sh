@@ -50,4 +50,11 @@ for option in --turntable "--seconds 2"; do
     refuses "a.png is one picture, and ${option%% *} makes many" render a.glb -o a.png $option
 done
 
+for seed in -1 18446744073709551616 1.5; do
+    refuses "'$seed' is not a whole number" sample -o new --seed=$seed
+    refuses "'$seed' is not a whole number" pack a.glb -o c.glb --seed=$seed
+    refuses "'$seed' is not a whole number" reconstruct scan -o out --seed=$seed
+done
+refuses "'-1' is not a whole number" render a.glb -o a.png --splat-budget=-1
+
 [ $failures -eq 0 ] || { echo "$failures failed" >&2; exit 1; }

@@ -22,6 +22,14 @@ TEST(InRange, takesFiniteNumbersBetweenItsEndsOnly) {
         EXPECT_FALSE(accepts(check, bad)) << bad;
 }
 
+TEST(WholeNumber, takesDigitsUpToItsEndOnly) {
+    for (const char* good : {"0", "7", "18446744073709551615"}) EXPECT_TRUE(accepts(isWholeNumber(), good)) << good;
+    for (const char* bad : {"-1", "18446744073709551616", "1.5", "1e3", "+1", "0x10", ""})
+        EXPECT_FALSE(accepts(isWholeNumber(), bad)) << bad;
+    EXPECT_TRUE(accepts(isWholeNumber(UINT32_MAX), "4294967295"));
+    EXPECT_FALSE(accepts(isWholeNumber(UINT32_MAX), "4294967296"));
+}
+
 TEST(PictureSize, isTwoWholeNumbersWithAnXBetween) {
     const auto size = parsePictureSize("720x1280");
     ASSERT_TRUE(size);
