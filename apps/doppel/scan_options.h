@@ -15,7 +15,8 @@ inline void addScanOptions(CLI::App& command, ReconstructOptions& options, const
         "scan", options.scan, "Scan folder (docs/formats/scan.md), nerfstudio or COLMAP folder, or anything that `doppel import` reads");
     addVideoOptions(command, options.videos, scan);
     command.add_option("-o,--out", options.out, outHelp)->required();
-    command.add_option("--body", options.body, "Body to start from (.glb made by `doppel body import`); default: the built-in body");
+    command.add_option("--body", options.body, "Body to start from (.glb made by `doppel body import`); default: the built-in body")
+        ->check(CLI::ExistingFile);
     command.add_option("--models", options.models,
                        "Folder of ONNX networks that find keypoints, masks and clothing if the scan has none; default: where tools/models "
                        "installs them");

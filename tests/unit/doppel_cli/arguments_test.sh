@@ -57,4 +57,7 @@ for seed in -1 18446744073709551616 1.5; do
 done
 refuses "'-1' is not a whole number" render a.glb -o a.png --splat-budget=-1
 
+for command in reconstruct check; do refuses "--body.*nowhere.glb" $command scan -o out --body nowhere.glb; done
+[ ! -e out ] || failed "a refused run made its output folder"
+
 [ $failures -eq 0 ] || { echo "$failures failed" >&2; exit 1; }
