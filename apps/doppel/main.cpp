@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <cerrno>
+#include <csignal>
 #include <cstdio>
 #include <cstring>
 #include <string_view>
@@ -89,6 +90,7 @@ int main(int argc, char** argv) {
         return talk.fail(fail(Code::InvalidArgument, "{}. See {} --help", error.what(), commandLine(app)));
     }
     installSignalHandlers();
+    std::signal(SIGXFSZ, SIG_IGN);  // past `ulimit -f` a write fails and is reported, as on a full disk
     silenceSolverLog();
     try {
         return flushOutput(endedSoonAfterInterrupt(run, [&talk] { return talk.fail(Error{Code::Cancelled, "stopped"}); }));

@@ -89,6 +89,7 @@ const std::atomic<bool>& Progress::cancelFlag() {
 void installSignalHandlers() {
     std::signal(SIGINT, onSignal);
     std::signal(SIGTERM, onSignal);
+    if (std::signal(SIGHUP, onSignal) == SIG_IGN) std::signal(SIGHUP, SIG_IGN);  // nohup
 }
 
 }  // namespace dpl

@@ -24,7 +24,7 @@ public:
     /** Writes a separate line if the style is Verbose. */
     void detail(std::string_view line);
 
-    /** True after the first SIGINT or SIGTERM, if installSignalHandlers() was called. */
+    /** True after the first SIGINT, SIGTERM or SIGHUP, if installSignalHandlers() was called. */
     static bool cancelled();
     static const std::atomic<bool>& cancelFlag();
 
@@ -39,7 +39,8 @@ private:
     Clock::time_point stageStart_{}, lastDrawn_{};
 };
 
-/** The first SIGINT or SIGTERM asks every stage to stop at its next checkpoint; the second ends the process at once. */
+/** The first SIGINT, SIGTERM or SIGHUP asks every stage to stop at its next checkpoint; the second ends the process at once. A SIGHUP that
+ *  is ignored, as under nohup, stays ignored. */
 void installSignalHandlers();
 
 }  // namespace dpl

@@ -60,4 +60,12 @@ refuses "'-1' is not a whole number" render a.glb -o a.png --splat-budget=-1
 for command in reconstruct check; do refuses "--body.*nowhere.glb" $command scan -o out --body nowhere.glb; done
 [ ! -e out ] || failed "a refused run made its output folder"
 
+# Beyond the size that `ulimit -f` allows (KiB) the write fails with a sentence.
+for words in "render a.glb -o big.png --size 600x600 --renderer software" "export a.glb -o big.ply"; do
+    status=0
+    # shellcheck disable=SC2086
+    (ulimit -f 0 && "$doppel" $words 2>&1) | cat >out.log || status=$?
+    if [ $status -eq 1 ] && grep -q "big.*File too large" out.log; then echo "ok: $words"; else failed "$words (exit $status): $(cat out.log)"; fi
+done
+
 [ $failures -eq 0 ] || { echo "$failures failed" >&2; exit 1; }

@@ -18,11 +18,11 @@ int stopped() {
     return kStopped;
 }
 
-/** Installs the handlers, interrupts itself as Ctrl-C does, runs `work` and exits with its code. */
+/** Installs the handlers, interrupts itself, as Ctrl-C does unless told, runs `work` and exits with its code. */
 template <class Work>
-[[noreturn]] void runInterrupted(Work work) {
+[[noreturn]] void runInterrupted(Work work, int signalNumber = SIGINT) {
     installSignalHandlers();
-    std::raise(SIGINT);
+    std::raise(signalNumber);
     std::exit(endedSoonAfterInterrupt(work, stopped));
 }
 
@@ -39,6 +39,14 @@ TEST(InterruptionDeathTest, workThatStopsByItselfGivesItsExitCode) {
     GTEST_FLAG_SET(death_test_style, "threadsafe");
     const auto obedient = [] { return Progress::cancelled() ? 7 : 8; };
     EXPECT_EXIT(runInterrupted(obedient), testing::ExitedWithCode(7), "^$");
+}
+
+TEST(InterruptionDeathTest, aTerminalThatClosesInterruptsUnlessItIsIgnored) {
+    GTEST_FLAG_SET(death_test_style, "threadsafe");
+    const auto obedient = [] { return Progress::cancelled() ? 7 : 8; };
+    EXPECT_EXIT(runInterrupted(obedient, SIGTERM), testing::ExitedWithCode(7), "^$");
+    EXPECT_EXIT((std::signal(SIGHUP, SIG_DFL), runInterrupted(obedient, SIGHUP)), testing::ExitedWithCode(7), "^$");
+    EXPECT_EXIT((std::signal(SIGHUP, SIG_IGN), runInterrupted(obedient, SIGHUP)), testing::ExitedWithCode(8), "^$");
 }
 
 TEST(InterruptionDeathTest, workThatNeverStopsIsEnded) {
