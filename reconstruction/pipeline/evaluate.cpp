@@ -59,6 +59,11 @@ Result<std::string> evaluateAvatar(const EvaluateOptions& options, Progress& pro
     if (poses.jointNames.size() != avatar.joints.size())
         return fail(Code::InvalidArgument, "{} poses {} joints, the avatar has {}; name the poses.json of its reconstruction with --poses",
                     posesPath.string(), poses.jointNames.size(), avatar.joints.size());
+    if (!options.out.empty()) {
+        std::error_code error;
+        std::filesystem::create_directories(options.out, error);
+        if (error) return fail(Code::Io, "cannot create {}: {}; choose another output with -o", options.out.string(), error.message());
+    }
     std::vector<Pose> registered;
     for (const FramePose& frame : poses.frames) registered.push_back(frame.pose);
     Jobs jobs(options.threadCount);
@@ -96,9 +101,6 @@ Result<std::string> evaluateAvatar(const EvaluateOptions& options, Progress& pro
     }
     progress.endStage(formatText("{} held-out frames", data.frames.size()));
     if (options.out.empty()) return summary;
-    std::error_code error;
-    std::filesystem::create_directories(options.out, error);
-    if (error) return fail(Code::Io, "cannot create {}: {}; choose another output with -o", options.out.string(), error.message());
     DPL_CHECK_OK(writeReport(data, options.out));
     return summary + "\nopen " + (options.out / "report.html").string();
 }

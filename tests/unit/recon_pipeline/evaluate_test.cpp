@@ -54,6 +54,15 @@ protected:
     PosesFile shown_;
 };
 
+TEST_F(Evaluate, refusesAFolderThatCannotBeMadeBeforeItScores) {
+    options.out = options.avatar / "report";
+    options.ladder = true;  // refused after the scoring, because the toy has no truth
+    const auto summary = evaluateAvatar(options, toy.progress);
+    ASSERT_FALSE(summary);
+    EXPECT_EQ(summary.error().code, Code::Io) << summary.error().message;
+    EXPECT_NE(summary.error().message.find(options.out.string()), std::string::npos) << summary.error().message;
+}
+
 TEST_F(Evaluate, givesThePublishedScoresOfTheHeldOutFrames) {
     const std::string summary = must(evaluateAvatar(options, toy.progress));
     AvatarView view = must(AvatarView::open(toy.package.bytes, 2));
