@@ -116,6 +116,12 @@ Result<Inspection> inspectAsText(const std::filesystem::path& path) {
                              layer.triangles, layer.splats);
     out.insert(out.size() - 1, layers + "\n");
     char line[160];
+    std::string clips;
+    for (const ClipInfo& clip : info.clipList) {
+        std::snprintf(line, sizeof line, " (%.1f s)", clip.durationS);
+        clips += (clips.empty() ? "clips: " : ", ") + clip.name + line;
+    }
+    if (!clips.empty()) out.insert(out.size() - 1, clips + "\n");
     if (info.trainedPixelM > 0) {
         std::snprintf(line, sizeof line, "trained at pixels of %.2f mm\n", 1e3 * double(info.trainedPixelM));
         out.insert(out.size() - 1, line);
@@ -166,6 +172,8 @@ Result<Inspection> inspectAsJson(const std::filesystem::path& path) {
                                   {"corrective_modes", info.correctiveModes}};
     for (const LayerInfo& layer : info.layerList)
         out["layer_list"].push_back({{"name", layer.name}, {"role", layer.role}, {"triangles", layer.triangles}, {"splats", layer.splats}});
+    for (const ClipInfo& clip : info.clipList) out["clip_list"].push_back({{"name", clip.name}, {"duration_s", clip.durationS}});
+    out["joint_names"] = info.jointNames;
     if (info.trainedPixelM > 0) out["trained_pixel_m"] = info.trainedPixelM;
     for (const auto& [name, bytes] : parts(info)) out["bytes"][name] = bytes;
     out["bytes"]["file"] = info.fileBytes;

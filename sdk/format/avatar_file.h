@@ -52,6 +52,11 @@ struct LayerInfo {
     uint32_t triangles = 0, splats = 0;
 };
 
+struct ClipInfo {
+    std::string name;
+    double durationS = 0;
+};
+
 /** Content of a file and the bytes of its parts, which add up to fileBytes. */
 struct AvatarInfo {
     std::string name, generator;
@@ -75,6 +80,8 @@ struct AvatarInfo {
     uint64_t jsonBytes = 0;   // the JSON chunk
     uint64_t otherBytes = 0;  // GLB headers, padding
     std::vector<LayerInfo> layerList;
+    std::vector<ClipInfo> clipList;
+    std::vector<std::string> jointNames;
     std::vector<EvidenceData> evidence;
 };
 

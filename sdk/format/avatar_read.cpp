@@ -453,6 +453,9 @@ struct AvatarReader {
         info.vertices = uint32_t(avatar.mesh.restPositions.size()), info.triangles = uint32_t(avatar.mesh.triangles.size());
         info.joints = uint32_t(avatar.joints.size()), info.layers = uint32_t(avatar.mesh.layers.size());
         info.clips = uint32_t(avatar.clips.size());
+        for (const JointData& joint : avatar.joints) info.jointNames.push_back(joint.name);
+        for (const ClipData& clip : avatar.clips)
+            info.clipList.push_back({clip.name, clip.timesS.empty() ? 0 : double(clip.timesS.back()) - double(clip.timesS.front())});
         for (const LayerData& layer : avatar.mesh.layers) {
             LayerInfo entry{layer.name, layer.role, layer.triangleCount, 0};
             for (const SplatChunk& chunk : coded.chunks)  // chunks do not cross layers

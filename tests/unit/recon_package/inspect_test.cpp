@@ -54,6 +54,21 @@ TEST_F(Inspect, layersAreListedWithTheirSplats) {
     EXPECT_EQ(splats, info.splats);
 }
 
+TEST_F(Inspect, clipsAndJointsAreNamed) {
+    AvatarData avatar = *readAvatar(bytes_);
+    avatar.clips = {{.name = "walk", .timesS = {0.5f, 1, 3}, .channels = {}, .rootTranslations = std::vector<Vec3f>(3, Vec3f(0))}};
+    bytes_ = *writeAvatar(avatar);
+    const auto found = asText();
+    ASSERT_TRUE(found) << found.error().message;
+    EXPECT_NE(found->text.find("clips: walk (2.5 s)\n"), std::string::npos) << found->text;
+    const auto shown = inspectAsJson(path_);
+    ASSERT_TRUE(shown) << shown.error().message;
+    const auto json = nlohmann::json::parse(shown->text);
+    EXPECT_EQ(json["clip_list"], nlohmann::json::parse(R"([{"name": "walk", "duration_s": 2.5}])"));
+    ASSERT_EQ(json["joint_names"].size(), avatar.joints.size());
+    EXPECT_EQ(json["joint_names"][0], avatar.joints[0].name);
+}
+
 TEST_F(Inspect, aFlippedBitThatOnlyTheHashDetectsIsReportedInTextAndJson) {
     auto found = asText();
     for (size_t i = bytes_.size(); i-- > bytes_.size() / 2;) {  // the end of the file holds splat streams
