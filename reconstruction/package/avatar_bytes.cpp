@@ -5,6 +5,8 @@
 #include <string_view>
 
 #include "sdk/core/files.h"
+#include "sdk/format/avatar_file.h"
+#include "sdk/format/splat_file.h"
 
 namespace dpl {
 namespace {
@@ -32,6 +34,14 @@ Status checkHead(std::span<const uint8_t> head, uint64_t fileBytes) {
 
 Result<std::vector<uint8_t>> readAvatarBytes(const std::filesystem::path& path) {
     return readFile(path, kMaxFileBytes, checkHead);
+}
+
+Result<AvatarData> avatarOf(const std::filesystem::path& path, std::span<const uint8_t> bytes, std::string_view what) {
+    if (splatFormatOf(bytes) != SplatFormat::None)
+        return fail(Code::Unsupported, "{} holds general splats, which have no {}; give an avatar", path.string(), what);
+    auto avatar = readAvatar(bytes);
+    if (!avatar) return fail(avatar.error().code, "{}: {}", path.string(), avatar.error().message);
+    return avatar;
 }
 
 }  // namespace dpl

@@ -11,7 +11,6 @@
 #include "sdk/avatar/clip.h"
 #include "sdk/avatar/retarget.h"
 #include "sdk/core/files.h"
-#include "sdk/format/avatar_file.h"
 
 namespace dpl {
 namespace {
@@ -25,25 +24,24 @@ Result<std::string> clothesInMotion(const std::filesystem::path& path, const std
                                     Progress& progress) {
     DPL_TRY(const auto bytes, readAvatarBytes(path));
     const auto inFile = [](const std::filesystem::path& file, const Error& e) { return fail(e.code, "{}: {}", file.string(), e.message); };
-    const auto avatar = readAvatar(bytes);
-    if (!avatar) return inFile(path, avatar.error());
+    DPL_TRY(const AvatarData avatar, avatarOf(path, bytes, "clothes"));
     DPL_TRY(const auto clipBytes, readFile(clipPath, uint64_t(512) << 20));
     const auto motion = readMotion(clipBytes, clipPath.stem().string());
     if (!motion) return inFile(clipPath, motion.error());
-    const BodyShape body = BodyShape::of(avatar->joints, avatar->mesh);  // arms give way, as in dplLoadClip
+    const BodyShape body = BodyShape::of(avatar.joints, avatar.mesh);  // arms give way, as in dplLoadClip
     RetargetOptions played;
     played.body = &body;
-    const auto clip = retarget(*motion, avatar->joints, played);
+    const auto clip = retarget(*motion, avatar.joints, played);
     if (!clip) return inFile(clipPath, clip.error());
     const double duration = clipDurationS(*clip);
     const size_t count = std::clamp(size_t(duration * kPosesPerSecond) + 1, size_t(1), kMostPoses);
     const auto timeOf = [&](size_t i) { return count > 1 ? duration * double(i) / double(count - 1) : 0; };
     std::vector<Pose> poses;
-    for (size_t i = 0; i < count; ++i) poses.push_back(samplePose(*clip, avatar->joints, timeOf(i)));
+    for (size_t i = 0; i < count; ++i) poses.push_back(samplePose(*clip, avatar.joints, timeOf(i)));
     Jobs jobs(0);
     progress.beginStage("clothes in motion");
     DPL_TRY(const ClothFaults faults, clothFaults(
-                                          *avatar, poses,
+                                          avatar, poses,
                                           [&](double share) {
                                               progress.update(share, formatText("{} poses", count));
                                               return !progress.cancelled();

@@ -8,7 +8,6 @@
 #include "reconstruction/pipeline/frame_scores.h"
 #include "reconstruction/pipeline/run_scan.h"
 #include "reconstruction/report/published_score.h"
-#include "sdk/format/avatar_file.h"
 
 namespace dpl {
 namespace {
@@ -41,6 +40,8 @@ Result<std::string> publishedLine(const Scan& scan, const FrameSet& heldOut, Ava
 
 Result<std::string> evaluateAvatar(const EvaluateOptions& options, Progress& progress) {
     const std::filesystem::path posesPath = options.poses.empty() ? options.avatar.parent_path() / "poses.json" : options.poses;
+    DPL_TRY(const auto bytes, readAvatarBytes(options.avatar));
+    DPL_TRY(const AvatarData avatar, avatarOf(options.avatar, bytes, "poses"));
     IngestedScan ingested;
     DPL_TRY(RunScan shown, readRunScan(options.scan, posesPath));
     ingested.scan = std::move(shown.scan);
@@ -54,8 +55,6 @@ Result<std::string> evaluateAvatar(const EvaluateOptions& options, Progress& pro
         DPL_TRY(lpips, Lpips::load(options.lpips));
     }
     ingested.usable.assign(ingested.scan.frames.size(), true);
-    DPL_TRY(const auto bytes, readAvatarBytes(options.avatar));
-    DPL_TRY(const AvatarData avatar, readAvatar(bytes));
     if (poses.jointNames.size() != avatar.joints.size())
         return fail(Code::InvalidArgument, "{} poses {} joints, the avatar has {}; name the poses.json of its reconstruction with --poses",
                     posesPath.string(), poses.jointNames.size(), avatar.joints.size());

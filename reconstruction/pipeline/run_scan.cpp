@@ -24,6 +24,9 @@ std::filesystem::path camerasBeside(const std::filesystem::path& posesPath) {
 }
 
 Result<RunScan> readRunScan(const std::filesystem::path& folder, const std::filesystem::path& posesPath) {
+    std::error_code error;
+    if (!std::filesystem::exists(posesPath, error))
+        return fail(Code::NotFound, "{}: no such file; name the poses.json of the reconstruction with --poses", posesPath.string());
     RunScan run;
     DPL_TRY(run.scan, withTheRunsCameras(folder, camerasBeside(posesPath)));
     DPL_TRY(PosesFile all, readPosesFile(posesPath));

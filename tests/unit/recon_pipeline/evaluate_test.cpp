@@ -7,6 +7,7 @@
 
 #include "reconstruction/import/write_scan.h"
 #include "reconstruction/pipeline/cameras_file.h"
+#include "reconstruction/pipeline/clothes_in_motion.h"
 #include "reconstruction/pipeline/run_scan.h"
 #include "tests/unit/recon_pipeline/toy_reconstruction.h"
 #include "tests/unit/recon_report/naive_scores.h"
@@ -109,6 +110,27 @@ TEST_F(Evaluate, camerasThatTheRunRepairedStandInForTheScans) {
     EXPECT_NE(must(evaluateAvatar(options, toy.progress)), right);
     must_(writeFileAtomically(camerasBeside(toy.folder / "poses.json"), camerasToJson(repaired)));
     EXPECT_EQ(must(evaluateAvatar(options, toy.progress)), right);
+}
+
+TEST_F(Evaluate, anAvatarWithoutPosesBesideItIsAnsweredWithTheOption) {
+    std::filesystem::remove(toy.folder / "poses.json");
+    const auto refused = evaluateAvatar(options, toy.progress);
+    ASSERT_FALSE(refused);
+    EXPECT_NE(refused.error().message.find("poses.json: no such file"), std::string::npos) << refused.error().message;
+    EXPECT_NE(refused.error().message.find("--poses"), std::string::npos);
+}
+
+TEST_F(Evaluate, generalSplatsAreRefusedByName) {
+    options.avatar = toy.folder / "guitar.ply";
+    must_(writeFileAtomically(options.avatar, "ply\nformat binary_little_endian 1.0\nelement vertex 0\nend_header\n"));
+    const auto scored = evaluateAvatar(options, toy.progress);
+    ASSERT_FALSE(scored);
+    EXPECT_NE(scored.error().message.find("guitar.ply holds general splats, which have no poses"), std::string::npos)
+        << scored.error().message;
+    const auto worn = clothesInMotion(options.avatar, "walk.bvh", false, toy.progress);
+    ASSERT_FALSE(worn);
+    EXPECT_NE(worn.error().message.find("guitar.ply holds general splats, which have no clothes"), std::string::npos)
+        << worn.error().message;
 }
 
 TEST_F(Evaluate, posesOfOlderFilesWithoutAScaleAreRefused) {
