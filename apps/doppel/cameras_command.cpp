@@ -3,6 +3,7 @@
 
 #include "apps/doppel/commands.h"
 #include "apps/shared/checks.h"
+#include "reconstruction/capture/person_height.h"
 #include "reconstruction/pipeline/find_cameras.h"
 
 namespace dpl {
@@ -15,7 +16,7 @@ void addCamerasCommand(CLI::App& app, CommandRun& run) {
     command->add_option("-o,--out", options->out, "Output folder; `doppel reconstruct` with the same folder goes on from there")
         ->required();
     command->add_option("--height", options->heightM, "Height of the subject in metres, without shoes; sets the scale")
-        ->check(inRange(0.3, 2.8));
+        ->check(inRange(kShortestPersonM, kTallestPersonM));
     command->add_option("--truth", options->truth, "Scan with the true cameras: prints how far the cameras are from them");
     command->footer(
         "Scans without cameras need COLMAP (apt-get install colmap).\n"

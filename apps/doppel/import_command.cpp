@@ -4,6 +4,7 @@
 #include "apps/doppel/commands.h"
 #include "apps/doppel/video_options.h"
 #include "apps/shared/checks.h"
+#include "reconstruction/capture/person_height.h"
 #include "reconstruction/import/import.h"
 #include "reconstruction/pipeline/progress.h"
 
@@ -28,7 +29,7 @@ void addImportCommand(CLI::App& app, CommandRun& run) {
     command
         ->add_option("--height", options->heightM,
                      "Height of the subject in metres, without shoes; sets the scale where cameras are not in metres")
-        ->check(inRange(0.3, 3.0));
+        ->check(inRange(kShortestPersonM, kTallestPersonM));
     command->footer(
         "Examples:\n"
         "  doppel import walk.mp4 -o scan                one video: the subject stands still, then moves\n"

@@ -5,6 +5,7 @@
 #include "apps/doppel/commands.h"
 #include "apps/doppel/video_options.h"
 #include "apps/shared/checks.h"
+#include "reconstruction/capture/person_height.h"
 #include "reconstruction/pipeline/reconstruct.h"
 
 namespace dpl {
@@ -29,7 +30,7 @@ inline void addScanOptions(CLI::App& command, ReconstructOptions& options, const
     command
         .add_option("--height", options.heightM,
                     "Height of the subject in metres, without shoes; sets the scale of a scan whose cameras are not in metres")
-        ->check(inRange(0.3, 2.8));
+        ->check(inRange(kShortestPersonM, kTallestPersonM));
     command.add_option("--threads", options.threadCount, "CPU threads; 0: one for each core. The result is the same for any number")
         ->check(inRange(0, 256))
         ->capture_default_str();

@@ -6,6 +6,7 @@
 #include <set>
 
 #include "reconstruction/cameras/camera_convention.h"
+#include "reconstruction/capture/person_height.h"
 #include "reconstruction/capture/scan_paths.h"
 
 namespace dpl {
@@ -198,9 +199,9 @@ Result<Scan> readScanFolder(const fs::path& manifestPath) {
         return fail(Code::Unsupported, "{}: protocol '{}' is not 'neuman'; remove the field", manifestPath.string(),
                     scan.protocol.substr(0, 60));
     DPL_TRY(scan.subjectHeightM, fields.number("subject_height", 0));
-    if (scan.subjectHeightM != 0 && !(scan.subjectHeightM >= 0.3 && scan.subjectHeightM <= 3))
-        return fail(Code::CorruptData, "{}: subject_height {} is not between 0.3 and 3 m; correct it", manifestPath.string(),
-                    scan.subjectHeightM);
+    if (scan.subjectHeightM != 0 && !(scan.subjectHeightM >= kShortestPersonM && scan.subjectHeightM <= kTallestPersonM))
+        return fail(Code::CorruptData, "{}: subject_height {} is not between {} and {} m; correct it", manifestPath.string(),
+                    scan.subjectHeightM, kShortestPersonM, kTallestPersonM);
     Common shared = common;
     shared.camerasKnown = scan.camerasKnown =
         std::any_of(frames->begin(), frames->end(), [](const json& frame) { return frame.is_object() && frame.contains("camera"); });

@@ -131,7 +131,8 @@ TEST(HostileScan, fieldsOfImportedScans) {
     };
     refuse([](json& m) { m["metric"] = 1; }, {"'metric'"});
     refuse([](json& m) { m["protocol"] = "other"; }, {"protocol 'other'", "'neuman'"});
-    refuse([](json& m) { m["subject_height"] = 174; }, {"subject_height", "3 m"});
+    refuse([](json& m) { m["subject_height"] = 174; }, {"subject_height", "between 0.3 and 2.8 m"});
+    refuse([](json& m) { m["subject_height"] = 2.9; }, {"subject_height", "between 0.3 and 2.8 m"});
     refuse([](json& m) { m["frames"][0]["image_size"] = {96}; }, {"image_size"});
     refuse([](json& m) { m["frames"][0]["image_size"] = {95, 128}; }, {"96 x 128", "95 x 128"});
     refuse([](json& m) { m["frames"][0]["camera"]["distortion"] = {0.1, 0.2}; }, {"distortion", "4 are needed"});
