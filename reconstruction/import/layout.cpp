@@ -48,9 +48,9 @@ std::string howToUnpack(const fs::path& file) {
     if (!zip && !name.ends_with(".tar") && !name.ends_with(".tgz") && !name.ends_with(".tar.gz")) return {};
     fs::path folder = file;
     while (folder.has_extension()) folder.replace_extension();
-    if (zip) return formatText("unpack it and import the folder: unzip \"{}\" -d \"{}\"", file.string(), folder.string());
-    return formatText("unpack it and import the folder: mkdir \"{}\" && tar -xf \"{}\" -C \"{}\"", folder.string(), file.string(),
-                      folder.string());
+    if (zip) return formatText("unpack it and import the folder: unzip {} -d {}", shellWord(file), shellWord(folder));
+    return formatText("unpack it and import the folder: mkdir {} && tar -xf {} -C {}", shellWord(folder), shellWord(file),
+                      shellWord(folder));
 }
 
 /** What lies in a folder of no known layout, for the error. */
@@ -220,7 +220,12 @@ Result<CaptureLayout> recogniseCapture(const fs::path& given) {
     fs::path path = fs::absolute(given, error).lexically_normal();
     if (!path.has_filename()) path = path.parent_path();
     if (isFile(path)) return recogniseFile(path, given);
-    if (!isFolder(path)) return fail(Code::NotFound, "{}: no such file or folder", given.string());
+    const auto unreadable = [&] { return fail(Code::Io, "{} cannot be read: {}; check the permissions", given.string(), error.message()); };
+    if (!fs::is_directory(path, error)) {
+        if (error == std::errc::permission_denied) return unreadable();
+        return fail(Code::NotFound, "{}: no such file or folder", given.string());
+    }
+    if (fs::directory_iterator(path, error); error) return unreadable();
     if (auto layout = recogniseFolder(path)) return std::move(*layout);
     if (picturesIn(path).empty() && videosIn(path).empty() && heicIn(path).empty() && otherPicturesIn(path).empty()) {
         DPL_TRY(auto below, recogniseBelow(path, given));

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // What is recognised in a folder or file, and what people are told of the rest.
+#include <unistd.h>
+
 #include "reconstruction/import/folder_contents.h"
 #include "reconstruction/import/import.h"
 #include "reconstruction/import/layout.h"
@@ -53,11 +55,27 @@ TEST_F(Recognise, unknownFoldersSayWhatTheyHoldAndWhatHelps) {
     EXPECT_TRUE(mentions(refusal(root_ / "notes.pdf"), {"notes.pdf", "give a folder, a video"}));
 }
 
+TEST_F(Recognise, foldersThatMayNotBeReadSaySo) {
+    writePhotos(root_ / "locked/photos");
+    fs::permissions(root_ / "locked", fs::perms::none);
+    const bool root = geteuid() == 0;  // who may read everything
+    if (root) {
+        ASSERT_EQ(seteuid(65534), 0);
+    }
+    const std::string folder = refusal(root_ / "locked"), below = refusal(root_ / "locked/photos");
+    if (root) {
+        ASSERT_EQ(seteuid(0), 0);
+    }
+    fs::permissions(root_ / "locked", fs::perms::owner_all);
+    EXPECT_TRUE(mentions(folder, {"locked cannot be read", "check the permissions"}));
+    EXPECT_TRUE(mentions(below, {"locked/photos cannot be read", "check the permissions"}));
+}
+
 TEST_F(Recognise, archivesAreToBeUnpackedFirst) {
-    writeText(root_ / "poly cam.zip", "PK");
-    const std::string command = formatText("unzip \"{}\" -d", (root_ / "poly cam.zip").string());
-    EXPECT_TRUE(mentions(refusal(root_ / "poly cam.zip"), {command.c_str()}));
-    EXPECT_TRUE(mentions(refusal(root_), {"holds the archive poly cam.zip", "unzip"}));
+    writeText(root_ / "poly $cam.zip", "PK");
+    const std::string command = formatText("unzip '{}' -d '{}'", (root_ / "poly $cam.zip").string(), (root_ / "poly $cam").string());
+    EXPECT_TRUE(mentions(refusal(root_ / "poly $cam.zip"), {command.c_str()}));
+    EXPECT_TRUE(mentions(refusal(root_), {"holds the archive poly $cam.zip", "unzip"}));
     writeText(root_ / "a.tar.gz", "x");
     EXPECT_TRUE(mentions(refusal(root_ / "a.tar.gz"), {"tar -xf"}));
 }
