@@ -31,15 +31,16 @@ struct RemovedFolder {
 Status checkOutput(const fs::path& out) {
     std::error_code error;
     if (!fs::exists(out, error)) return {};
-    if (!fs::is_directory(out, error) || !fs::is_empty(out, error))
-        return fail(Code::InvalidArgument, "{} is in use; name a new folder with -o", out.string());
+    if (!fs::is_directory(out, error)) return fail(Code::InvalidArgument, "{} is a file; name a new folder with -o", out.string());
+    if (!fs::is_empty(out, error))
+        return fail(Code::InvalidArgument, "{} exists already and is not empty; name a new folder with -o, or empty it", out.string());
     return {};
 }
 
 Result<Capture> readLayout(const CaptureLayout& layout, const ImportOptions& options, const VideoWork& work) {
     switch (layout.kind) {
         case CaptureKind::ScanFolder:
-            return fail(Code::InvalidArgument, "{} is a scan folder already; run doppel reconstruct {}", layout.root.string(),
+            return fail(Code::InvalidArgument, "{} is a scan folder already; run doppel reconstruct {} -o OUT", layout.root.string(),
                         shellWord(layout.root));
         case CaptureKind::Nerfstudio:
         case CaptureKind::Colmap:

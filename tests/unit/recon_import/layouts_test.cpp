@@ -235,17 +235,17 @@ TEST(Layouts, photosOfAnotherSizeAreLeftOutByName) {
     EXPECT_TRUE(mentions(refused.error().message, {"close-ups", "64 x 64", "96 x 128"}));
 }
 
-TEST(Layouts, outputsInUseAndScansAreRefused) {
+TEST(Layouts, outputsThatExistAndScansAreRefused) {
     TemporaryFolder folder;
     writePolycam(folder.path / "poly");
     writeText(folder.path / "used/file", "x");
     auto used = importedScan(folder.path / "poly", folder.path / "used");
     ASSERT_FALSE(used);
-    EXPECT_TRUE(mentions(used.error().message, {"in use"}));
+    EXPECT_TRUE(mentions(used.error().message, {"used exists already and is not empty"}));
     ScanBuilder(folder.path / "scan", 2).write();
     auto again = importedScan(folder.path / "scan", folder.path / "out");
     ASSERT_FALSE(again);
-    EXPECT_TRUE(mentions(again.error().message, {"scan folder already", "doppel reconstruct"}));
+    EXPECT_TRUE(mentions(again.error().message, {"scan folder already", "doppel reconstruct", "scan -o OUT"}));
     EXPECT_FALSE(fs::exists(folder.path / "out"));
     EXPECT_FALSE(fs::exists(folder.path / "out.partial"));
 }
