@@ -191,9 +191,30 @@ Result<fs::path> videoOf(const std::string& camera, const std::vector<fs::path>&
     return *found;
 }
 
+/** Checks all paths before the first video is decoded, which takes a while. */
+Status checkNamed(const VideoSources& sources) {
+    std::error_code error;
+    std::vector<std::pair<fs::path, const char*>> before;
+    for (const auto& [list, option] :
+         {std::pair{&sources.still, "--static"}, {&sources.closeup, "--closeup"}, {&sources.moving, "--motion"}})
+        for (const fs::path& path : *list) {
+            if (!fs::is_regular_file(path, error)) return fail(Code::NotFound, "{}: no such video", path.string());
+            if (isPicture(path) || isHeic(path))
+                return fail(Code::InvalidArgument,
+                            "{} is a photo, and {} takes videos; photos are imported by their folder: doppel import {} -o scan",
+                            path.string(), option, shellWord(path.has_parent_path() ? path.parent_path() : fs::path(".")));
+            for (const auto& [other, at] : before)
+                if (fs::equivalent(path, other, error))
+                    return fail(Code::InvalidArgument, "{} is given twice ({} and {}); name each video once", path.string(), at, option);
+            before.emplace_back(path, option);
+        }
+    return {};
+}
+
 }  // namespace
 
 Result<Capture> readVideos(const VideoSources& sources, const FrameCounts& counts, uint32_t longSidePx, const VideoWork& work) {
+    DPL_CHECK_OK(checkNamed(sources));
     const bool one = !sources.undivided.empty();
     VideoReader reader(counts, longSidePx, work, one ? 1 : sources.still.size() + sources.closeup.size() + sources.moving.size());
     if (one) DPL_CHECK_OK(reader.add(sources.undivided, std::nullopt, 1));

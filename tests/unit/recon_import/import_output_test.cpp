@@ -9,6 +9,10 @@ namespace {
 
 namespace fs = std::filesystem;
 
+std::string errorOf(const Result<std::string>& done) {
+    return done ? "was imported" : done.error().message;
+}
+
 class ImportOutput : public testing::Test {
 protected:
     ImportOutput() {
@@ -40,6 +44,25 @@ TEST_F(ImportOutput, aLinkToNothingYetIsFollowed) {
     ASSERT_TRUE(done) << done.error().message;
     EXPECT_TRUE(fs::is_symlink(root_ / "scan"));
     EXPECT_TRUE(fs::exists(root_ / "disk/new/scan.json"));
+}
+
+TEST_F(ImportOutput, aFileAtItsPlaceIsKeptAndNamed) {
+    writeText(root_ / "scan", "x");
+    EXPECT_TRUE(mentions(errorOf(import()), {"scan is a file"}));
+}
+
+TEST_F(ImportOutput, namedVideosAreCheckedBeforeOneIsDecoded) {
+    const auto refusal = [&](std::vector<fs::path> still, std::vector<fs::path> closeup) {
+        ImportOptions options;
+        options.videos.still = std::move(still), options.videos.closeup = std::move(closeup), options.out = root_ / "scan";
+        return errorOf(importCapture(options, nullptr, {}));
+    };
+    const fs::path video = root_ / "a.mp4";
+    writeText(video, "not decoded");
+    EXPECT_TRUE(mentions(refusal({video}, {root_ / "none.mp4"}), {"none.mp4: no such video"}));
+    EXPECT_TRUE(mentions(refusal({video}, {root_ / "photos/../a.mp4"}), {"a.mp4 is given twice", "--static", "--closeup"}));
+    EXPECT_TRUE(mentions(refusal({video}, {root_ / "photos/1.jpg"}),
+                         {"1.jpg is a photo", "--closeup takes videos", ("doppel import " + (root_ / "photos").string()).c_str()}));
 }
 
 TEST_F(ImportOutput, aSecondImportIsRefusedAndTheFirstOneEnds) {

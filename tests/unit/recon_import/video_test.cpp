@@ -236,7 +236,9 @@ TEST_F(VideoFiles, importOfNamedVideosKeepsKindsAndTimes) {
     const fs::path walk = make("walk one.mp4", h264()), moves = make("moves'.mp4", h264(), ",hue=h=10*t");
     ImportOptions options;
     options.videos.still = {walk};
-    options.videos.moving = {moves, moves};
+    const fs::path again = folder.path / "again.mp4";
+    fs::copy_file(moves, again);
+    options.videos.moving = {moves, again};
     options.counts = {6, 3, 8};
     options.out = folder.path / "scan 100%d";
     const auto done = importCapture(options, nullptr, {});
