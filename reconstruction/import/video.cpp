@@ -39,6 +39,7 @@ std::string reasonOf(const std::string& message) {
         return "it is damaged, or not a video; copy it again from the phone";
     if (message.find("Decoder") != std::string::npos || message.find("codec") != std::string::npos)
         return "this ffmpeg cannot decode it; convert it to H.264";
+    if (message.find("not on whitelist") != std::string::npos) return "it is not a kind of video that is read; convert it to H.264 in .mp4";
     const size_t begin = message.find_first_not_of(" {}\n");
     return begin == std::string::npos ? "ffmpeg gives no reason; copy it again from the phone"
                                       : message.substr(begin, message.find('\n', begin) - begin);
@@ -80,6 +81,9 @@ Status runFfmpeg(std::vector<std::string> arguments, const fs::path& video, cons
     if (ended.error().code == Code::Cancelled) return fail(Code::Cancelled, "stopped while reading {}", video.string());
     if (ended.error().code == Code::NotFound)
         return fail(Code::NotFound, "{}: reading videos needs the program ffmpeg; install it (apt-get install ffmpeg)", video.string());
+    if (said.find("No space left on device") != std::string::npos)
+        return fail(Code::Io, "cannot write frames of {} to {}: its disk is full; free some space, or choose another output with -o",
+                    video.string(), work.folder.string());
     return fail(Code::CorruptData, "{} cannot be read: {}", video.string(), reasonOf(said));
 }
 

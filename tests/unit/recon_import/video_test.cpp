@@ -280,6 +280,25 @@ TEST_F(VideoFiles, cancelActsWithinASecond) {
     EXPECT_FALSE(fs::exists(options.out));
 }
 
+TEST_F(VideoFiles, aFullDiskIsNotBlamedOnTheVideo) {
+    if (!fs::exists("/dev/full")) GTEST_SKIP() << "there is no /dev/full";
+    const auto info = probeVideo(make("plain.mp4", h264()), work);
+    ASSERT_TRUE(info) << info.error().message;
+    fs::create_symlink("/dev/full", work.folder / "small.raw");
+    const auto analysis = analyseVideo(*info, work);
+    ASSERT_FALSE(analysis);
+    EXPECT_EQ(analysis.error().code, Code::Io);
+    EXPECT_TRUE(mentions(analysis.error().message, {work.folder.c_str(), "disk is full", "-o"}));
+}
+
+TEST_F(VideoFiles, aPictureThatIsNamedAsAVideoIsNotCalledByFfmpegsWords) {
+    const fs::path path = folder.path / "walk.mp4";
+    writeBytes(path, jpegOf(spotPicture(96, 128, kMadePixel)));
+    const auto info = probeVideo(path, work);
+    ASSERT_FALSE(info);
+    EXPECT_TRUE(mentions(info.error().message, {"walk.mp4", "not a kind of video that is read"}));
+}
+
 TEST_F(VideoFiles, calibratedVideosAloneLackAStillPart) {
     make("cam01.mp4", h264(), "", "96x128");
     writeText(folder.path / "Calib.qca.txt", qualisysText());
