@@ -27,6 +27,7 @@ Error refuse(const StageRun& run, const Refusal& refusal, Error reason) {
                                   {"places", ordered_json::array()},
                                   {"scan_check", refusal.scanCheck}};
     if (const Status written = writeTo(run, verdict); !written) reason.message += "\n" + written.error().message;
+    if (reason.code == Code::InvalidArgument) reason.code = Code::Unsupported;  // not the arguments are wrong, but what was filmed
     return reason;
 }
 

@@ -17,8 +17,8 @@ struct Refusal {
     nlohmann::ordered_json scanCheck;
 };
 
-/** Writes the verdict of a refused scan, and returns `reason` for the caller to return in turn. An error that says nothing about the scan
- *  (cancelled, disk full, out of memory) leaves the file as it is. */
+/** Writes the verdict of a refused scan, and returns `reason` for the caller to return in turn, with Unsupported for InvalidArgument: no
+ *  argument is wrong. An error that says nothing about the scan (cancelled, disk full, out of memory) leaves the file as it is. */
 Error refuse(const StageRun& run, const Refusal& refusal, Error reason);
 
 /** Writes the verdict of a scan that can be used. */
