@@ -81,7 +81,8 @@ debian_mirror() {
     echo "${mirror:-http://deb.debian.org/debian}"
 }
 
-# apt_apart FOLDER ARGUMENT...: runs apt-get with FOLDER/sources.list and lists of its own, so that the machine's apt sources stay unchanged.
+# apt_apart FOLDER ARGUMENT...: runs apt-get with FOLDER/sources.list and lists of its own, so that the machine's apt sources stay
+# unchanged.
 apt_apart() {
     local folder="$1"
     shift

@@ -29,7 +29,9 @@ for file in a.glb b.glb; do cmp -s $file kept || failed "$file was overwritten";
 
 mkdir scan
 ln -s scan scan-link
-for command in reconstruct check cameras; do refuses "scan-link is the input scan itself; choose another -o" $command scan -o scan-link; done
+for command in reconstruct check cameras; do
+    refuses "scan-link is the input scan itself; choose another -o" $command scan -o scan-link
+done
 refuses "scan is the input ./scan itself" cameras blind --truth ./scan -o scan
 [ -z "$(ls scan)" ] || failed "stages were written into the scan: $(ls scan)"
 
@@ -65,7 +67,11 @@ for words in "render a.glb -o big.png --size 600x600 --renderer software" "expor
     status=0
     # shellcheck disable=SC2086
     (ulimit -f 0 && "$doppel" $words 2>&1) | cat >out.log || status=$?
-    if [ $status -eq 1 ] && grep -q "big.*File too large" out.log; then echo "ok: $words"; else failed "$words (exit $status): $(cat out.log)"; fi
+    if [ $status -eq 1 ] && grep -q "big.*File too large" out.log; then
+        echo "ok: $words"
+    else
+        failed "$words (exit $status): $(cat out.log)"
+    fi
 done
 
 [ $failures -eq 0 ] || { echo "$failures failed" >&2; exit 1; }
