@@ -17,7 +17,8 @@ Result<std::string> findCameras(const FindCamerasOptions& options, Progress& pro
     StageChain chain(options.out, progress);
     const StageRun run{chain, jobs, progress};
     if (scan.camerasKnown) {
-        DPL_TRY(scan, runCameraRepair(run, scan));
+        DPL_TRY(std::optional<Scan> repaired, runCameraRepair(run, scan));
+        if (repaired) scan = std::move(*repaired);
     } else {
         if (options.heightM > 0) scan.subjectHeightM = options.heightM;
         DPL_TRY(scan, runCameras(run, scan));

@@ -130,8 +130,8 @@ Result<Scan> runCameras(const StageRun& run, const Scan& scan) {
     return withCameras(scan, found);
 }
 
-Result<Scan> runCameraRepair(const StageRun& run, const Scan& scan) {
-    if (!keypointsDoubtCameras(scan)) return scan;
+Result<std::optional<Scan>> runCameraRepair(const StageRun& run, const Scan& scan) {
+    if (!keypointsDoubtCameras(scan)) return std::optional<Scan>();
     const json inputs = {{"scan", scanInputs(scan, hashFrames(scan))}, {"repair", true}};
     DPL_TRY(const StageOutput stage, run.chain.run("cameras", 2, inputs, [&](StageContext& context) -> Status {
         RepairSettings settings;
@@ -150,7 +150,9 @@ Result<Scan> runCameraRepair(const StageRun& run, const Scan& scan) {
     }));
     DPL_TRY(const FoundCameras found, readCamerasFile(stage.folder / "cameras.json"));
     for (const std::string& sentence : found.sentences) run.progress.note(sentence);
-    return found.cameras.empty() ? Result<Scan>(scan) : withCameras(scan, found);
+    if (found.cameras.empty()) return std::optional<Scan>();
+    DPL_TRY(Scan repaired, withCameras(scan, found));
+    return std::optional(std::move(repaired));
 }
 
 }  // namespace dpl

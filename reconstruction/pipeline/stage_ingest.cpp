@@ -105,10 +105,9 @@ Result<IngestedScan> runIngest(const StageRun& run, const std::filesystem::path&
         DPL_TRY(ingested.scan, runCameras(run, ingested.scan));
         ingested.camerasFound = true;
     } else {
-        const std::vector<FrameHashes> noFiles(ingested.scan.frames.size());
-        const json given = posedInputs(ingested.scan, noFiles);
-        DPL_TRY(ingested.scan, runCameraRepair(run, ingested.scan));
-        ingested.camerasFound = posedInputs(ingested.scan, noFiles) != given;
+        DPL_TRY(std::optional<Scan> repaired, runCameraRepair(run, ingested.scan));
+        ingested.camerasFound = repaired.has_value();
+        if (repaired) ingested.scan = std::move(*repaired);
     }
     if (!observations.empty()) {
         DPL_TRY(ingested.scan, runCloseups(run, std::move(ingested.scan), observations));

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <vector>
 
 #include "reconstruction/body/fit_body.h"
@@ -93,8 +94,9 @@ struct FoundPoses {
 /** Finds the cameras of a scan that has none. Frames that get no camera are dropped. The verdict goes to run.progress; when it refuses, it
  *  is the error. */
 Result<Scan> runCameras(const StageRun& run, const Scan& scan);
-/** Checks the cameras that a scan brings, where its keypoints raise doubt, and repairs them where the pictures agree on others. */
-Result<Scan> runCameraRepair(const StageRun& run, const Scan& scan);
+/** Checks the cameras that a scan brings, where its keypoints raise doubt, and repairs them where the pictures agree on others.
+ *  Nothing: the scan keeps its cameras. */
+Result<std::optional<Scan>> runCameraRepair(const StageRun& run, const Scan& scan);
 /** Checks the masks of close-ups that lie in the folder `found`. Wrong ones are replaced by the hull of the full-body masks, or emptied. */
 Result<Scan> runCloseups(const StageRun& run, Scan scan, const std::filesystem::path& found);
 /** Reads and checks the scan. `models` is a folder of networks; if empty, installedModels() is taken where the scan lacks something.
