@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The rest pose of a person's shoulders. A template's collarbones are as high as its author made them; people's hang lower or higher. The
 // fit makes up for that by turning them, by about 20° on the built-in body. Clips and trackers turn collarbones little or not at all, so
-// an avatar whose rest pose has them too high walks with padded shoulders (ADR 0076).
+// an avatar whose rest pose has them too high walks with padded shoulders (docs/reference/registration.md).
 #pragma once
 
 #include "reconstruction/body/fit_body.h"

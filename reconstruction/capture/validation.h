@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The validation split: training frames that train nothing, on which a reconstruction decides (docs/adr/0050-validation-frames.md).
+// The validation split: training frames that train nothing, on which a reconstruction decides (docs/reference/metrics.md).
 #pragma once
 
 #include <string>

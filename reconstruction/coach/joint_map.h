@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The body map as an avatar file carries it: a few numbers for each joint and side (docs/adr/0069-capture-map-by-joint.md).
+// The body map as an avatar file carries it: a few numbers for each joint and side (docs/reference/body-map.md).
 #pragma once
 
 #include <span>

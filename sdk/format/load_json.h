@@ -2,7 +2,7 @@
 // nlohmann/json for files that may be read when memory is short. Include it instead of <nlohmann/json.hpp>. Internal.
 //
 // A value of nlohmann/json puts its children into a vector before it destroys them. If the heap refuses that vector, the exception leaves a
-// destructor and the process ends. JsonReserve holds memory for such vectors. (ADR 0036.)
+// destructor and the process ends. JsonReserve holds memory for such vectors. (sdk/format/README.md.)
 #pragma once
 
 #ifdef INCLUDE_NLOHMANN_JSON_HPP_

@@ -13,7 +13,7 @@
 namespace dpl {
 namespace {
 
-constexpr float kSharedOrderRad = 0.035f;  // 2 degrees; views whose axes are further apart are sorted one by one (docs/adr/0015)
+constexpr float kSharedOrderRad = 0.035f;  // 2 degrees; views further apart are sorted one by one (docs/reference/gpu-frame.md)
 
 /** Whether one order of depth, along the mean axis, is good enough for all views. It is exact for parallel axes. */
 bool shareOrder(std::span<const Cameraf> views) {

@@ -73,6 +73,16 @@ def index_problems(root, all_pages):
             yield f"{page.name}: not in docs/adr/README.md"
 
 
+def cited_problems(root, page):
+    """A decision that is cited by its number has a page, or a line in the index that says where it went."""
+    index = root / "docs/adr/README.md"
+    known = set(re.findall(r"\b\d{4}\b", index.read_text(encoding="utf-8"))) if index.exists() else set()
+    for number, line in page.prose:
+        for cited in re.findall(r"\bADR (\d{4})\b", line):
+            if cited not in known:
+                yield f"{page.name}:{number}: ADR {cited} is not in docs/adr/README.md"
+
+
 def arrow_problems(root):
     """The overview's table of rooms says what the test of the include arrows holds."""
     arrows, overview = root / "tests/structure/check_arrows.py", root / "docs/overview.md"
@@ -99,6 +109,7 @@ def problems(root):
         yield from link_problems(root, page, known)
         yield from table_problems(page)
         yield from adr_problems(page)
+        yield from cited_problems(root, page)
         if not page.is_history():
             yield from path_problems(root, page)
 

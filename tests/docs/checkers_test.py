@@ -64,6 +64,11 @@ class Checkers(unittest.TestCase):
         self.page("[1](0001-long.md) [2](0002-none.md)\n", "docs/adr/README.md")
         self.complaints(["0002-draft.md: not in docs/adr/README.md", "504 words", "no line 'Status"], check_pages.problems(self.root))
 
+    def test_cited_decisions(self):
+        self.page("# Decisions\n- 0007 — folded into a page\n", "docs/adr/README.md")
+        self.page("ADR 0007, ADR 0008\n")
+        self.complaints(["page.md:1: ADR 0008 is not in docs/adr/README.md"], check_pages.problems(self.root))
+
     def test_arrows(self):
         (self.root / "tests/structure").mkdir(parents=True)
         (self.root / "tests/structure/check_arrows.py").write_text('SDK = {"sdk/a": [], "sdk/b": ["sdk/a", "shaders/x"], "sdk/c": ["sdk"]}')

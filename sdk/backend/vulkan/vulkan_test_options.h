@@ -25,9 +25,9 @@ struct VulkanTestOptions : VulkanOptions {
 
     // Read by createVulkanRenderer (docs/adr/0027).
     bool preciseBlending = true;  // blend in 16-bit floats and round once; false: blend in 8 bits, which is below 50 dB close up
-    bool cull = true;             // false: splats that face away, out of view or below 1/255 are sorted and drawn too (docs/adr/0014)
-    bool shareViews = true;       // false: two views are two frames, even if one depth order is right for both (docs/adr/0015)
-    bool quantiseDepth = true;    // false: sort by 32-bit float depths instead of 16-bit keys (docs/adr/0016)
+    bool cull = true;             // false: splats that face away, out of view or below 1/255 are drawn too (docs/reference/gate.md)
+    bool shareViews = true;       // false: two views are two frames, always (docs/reference/gpu-frame.md)
+    bool quantiseDepth = true;    // false: sort by 32-bit float depths instead of 16-bit keys (docs/reference/depth-keys.md)
 };
 
 /** As createVulkanBackend(VulkanOptions). */

@@ -4,8 +4,8 @@
 // DPL_SHUFFLE: the eight (four) lanes of a tile fetch together: each pair of lanes loads one record, half each, and shares it by
 // shuffles. For devices whose subgroups hold whole tiles (DeviceInfo::shuffle); the picture is the same but for rounding.
 // DPL_SCENE_DEPTH: a splat adds nothing to pixels where it lies behind the app's scene, whose depths are in the pixel buffer.
-// DPL_FOUR_SAMPLES: each pixel is composited at four places and averaged (docs/adr/0005). Averaging is linear, so colour and depth are
-// summed over the samples at once; only the transmittance is kept for each sample.
+// DPL_FOUR_SAMPLES: each pixel is composited at four places and averaged (docs/reference/coverage.md). Averaging is linear, so colour and
+// depth are summed over the samples at once; only the transmittance is kept for each sample.
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #ifdef DPL_SHUFFLE

@@ -71,7 +71,7 @@ inline Difference compare(const RenderedView& image, const ReferenceImage& want)
 
 /** Compares pictures of two kernels that the driver compiled separately, so that each may round differently. On a host with AVX2 and
  *  without AVX-512, 1 of 46,560 or 2 of 84,600 bytes differed by one code. That is rounding, not a race: every run gave the same bytes
- *  (docs/notebook/2026-11-23-lavapipe.md). */
+ *  (docs/notebook/archive/2026-11-23-lavapipe.md). */
 inline testing::AssertionResult sameButForRounding(const std::vector<uint8_t>& a, const std::vector<uint8_t>& b) {
     if (a.size() != b.size()) return testing::AssertionFailure() << a.size() << " and " << b.size() << " bytes";
     size_t different = 0;

@@ -114,7 +114,7 @@ ImageDifference cantedPairAgainstAlone(TestVulkan& vulkan, float degrees) {
 TEST_P(VulkanImage, eyesThatShareAnOrderStayCloseToTheirOwn) {
     TestVulkan vulkan(testVulkanOptions(), GetParam());
     DPL_NEED_VULKAN(vulkan);
-    EXPECT_GE(cantedPairAgainstAlone(vulkan, 1.9f).psnrDb, 45.0);  // docs/adr/0015-stereo.md
+    EXPECT_GE(cantedPairAgainstAlone(vulkan, 1.9f).psnrDb, 45.0);  // docs/reference/gpu-frame.md
 }
 
 TEST_P(VulkanImage, cantedEyesAreSortedEachForItself) {

@@ -189,7 +189,7 @@ def detail(store):
     text = BACK + (
         "# Level of detail\n\nThe avatar walks away from the camera, 512×768 px, `DPL_DETAIL_USUAL`. Truth is the full avatar drawn at four times "
         "the size and averaged. *Alpha* is the sum of alpha above the truth's: a swollen outline is above 0. Small avatars are drawn with four samples a "
-        "pixel ([coverage samples](../adr/0005-coverage-samples.md)).\n\n")
+        "pixel ([coverage samples](../reference/coverage.md)).\n\n")
     return text + section(store, "detail", "Full and reduced against distance", body)
 
 
