@@ -80,7 +80,7 @@ struct PoseCorrectiveData {
 struct EvidenceData {
     std::string part;  // "sh degree 2", "pose-dependent offsets" ...
     bool kept = false;
-    float gainDb = 0;    // masked PSNR of training frames with the part, less that without it; 0 if not measured (`reason` says so)
+    float gainDb = 0;    // masked PSNR of validation frames (training frames without a split), with the part less without; 0: not measured
     uint64_t bytes = 0;  // in the file
     std::string reason;
 };
