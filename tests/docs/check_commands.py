@@ -16,6 +16,7 @@ import markdown
 TINY_AVATAR = "avatar.glb"  # commands that read just this file are run on a tiny avatar of that name
 RUN = ("inspect", "export", "render")
 TOO_DEAR = (".mp4",)
+SDK_GUIDE = "docs/guides/sdk.md"
 
 
 class Checker:
@@ -55,8 +56,10 @@ class Checker:
             return self.check_viewer(words[1:])
         if program.startswith("tools/"):
             return self.check_script(program, words[1:])
-        if program in ("cc", "c++"):  # what follows is the user's own; check_snippets compiles
+        if program in ("cc", "c++", "export", "./app", "build/app"):  # of the user's own program, which check_snippets builds and runs
             return []
+        if program == "sudo":
+            return self.check_packages(words[1:])
         if program in ("cmake", "ctest"):
             return self.check_build(words[1:])
         if program == "snakemake":
@@ -96,6 +99,13 @@ class Checker:
         if any(o not in text for o in options):  # its options are parsed elsewhere; its help names them
             text += subprocess.run([path, "--help"], capture_output=True, text=True, timeout=60).stdout
         return [f"{program} does not know {o}" for o in options if o not in text]
+
+    def check_packages(self, words):
+        self.commands += 1
+        if words[:2] != ["apt-get", "install"]:
+            return [f"'sudo {' '.join(words[:2])}' is no command that this test knows"]
+        known = [name for path in (self.root / "tools").glob("packages*.txt") for name in path.read_text().split()]
+        return [f"tools/bootstrap installs no '{word}'" for word in words[2:] if word not in known]
 
     def check_farm(self, words):
         self.commands += 1
@@ -141,6 +151,18 @@ def commands_of(page):
             yield from parts_of(number, span)
 
 
+def sdk_packages_problems(root, page):
+    """The guide's line installs what tools/bootstrap --sdk installs."""
+    lines = [(number, line) for number, line in commands_of(page) if "apt-get install" in line]
+    if len(lines) != 1:
+        yield f"{page.name}: {len(lines)} lines with apt-get install, where there should be one"
+        return
+    wanted = set((root / "tools/packages-sdk.txt").read_text().split())
+    named = set(shlex.split(lines[0][1], comments=True)) - {"sudo", "apt-get", "install"}
+    if named != wanted:
+        yield f"{page.name}:{lines[0][0]}: apt-get and tools/packages-sdk.txt differ in {', '.join(sorted(named ^ wanted))}"
+
+
 def is_cheap(line):
     words = shlex.split(line, comments=True)
     return len(words) > 2 and words[0] == "doppel" and words[1] in RUN and words[2] == TINY_AVATAR and not line.endswith(TOO_DEAR) and not any(
@@ -152,6 +174,8 @@ def problems(root, doppel, make_avatar=None, viewer=None):
     for page in markdown.pages(root):
         if page.is_history():
             continue
+        if page.name == SDK_GUIDE:
+            yield from sdk_packages_problems(root, page)
         for number, line in commands_of(page):
             for problem in checker.check(line):
                 yield f"{page.name}:{number}: {problem}"

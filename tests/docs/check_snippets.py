@@ -1,37 +1,54 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Compiles the C and C++ blocks of the documents: whole programs are linked and run, blocks with a `given` line become functions."""
+"""Compiles the C and C++ blocks of the documents. Whole programs are built and run against an installed SDK by the lines of their page
+and nothing else (recipes.py). Blocks with a `given` line become functions."""
 import argparse
+import os
 import pathlib
 import re
+import shutil
 import subprocess
 import sys
 import tempfile
 
 import markdown
+import recipes
 
 GIVEN = re.compile(r"\s*// given: (.+)\n")
 
 
 class Compiler:
-    def __init__(self, root, library, cc, cxx, folder):
-        self.library, self.folder = pathlib.Path(library), pathlib.Path(folder)
+    def __init__(self, root, prefix, cc, cxx, folder):
+        self.prefix, self.folder = pathlib.Path(prefix), pathlib.Path(folder)
         include = f"-I{root / 'sdk/include'}"
         warnings = ["-Wall", "-Wextra", "-pedantic", "-Werror", include]
         self.command = {"c": [cc, "-std=c99", *warnings], "cpp": [cxx, "-std=c++20", *warnings]}
 
-    def run(self, *words):
-        result = subprocess.run([str(w) for w in words], capture_output=True, text=True, cwd=self.folder)
+    def run(self, *words, folder=None, env=None):
+        result = subprocess.run([str(w) for w in words], capture_output=True, text=True, cwd=folder or self.folder, env=env)
         return "" if result.returncode == 0 else f"({result.returncode}) {(result.stderr or result.stdout).strip()}"
 
-    def program(self, language, text, name, argument):
-        source, binary = self.folder / f"{name}.{language}", self.folder / name
-        source.write_text(text)
-        error = self.run(*self.command[language], source, self.library, f"-Wl,-rpath,{self.library.parent}", "-o", binary)
+    def program(self, page, block, name, avatar):
+        """What is wrong with a whole program: its warnings first, then whatever the page's own lines meet."""
+        source = self.folder / f"{name}.{block.language}"
+        source.write_text(block.text)
+        error = self.run(*self.command[block.language], "-fsyntax-only", source)
         if error:
-            return f"does not build: {error}"
-        error = self.run(binary, argument)
-        return f"fails: {error}" if error else ""
+            return f"does not compile: {error}"
+        found = list(recipes.recipes_of(page, block))
+        if not found:
+            return "is a program, and no lines of the page build it"
+        for recipe in found:
+            if not recipes.RUNS.search(recipe.script):
+                return f"is built by the lines from {recipe.line}, which do not run it on avatar.glb"
+            folder = self.folder / f"{name}-line{recipe.line}"
+            recipe.write(folder, self.prefix)
+            shutil.copy(avatar, folder / "avatar.glb")
+            # Nothing of this process's environment: a variable that finds headers or libraries would hide what the page leaves out.
+            error = self.run("bash", "-e", "run.sh", folder=folder, env={k: os.environ[k] for k in ("PATH", "HOME") if k in os.environ})
+            if error:
+                return f"fails by the lines from {recipe.line}: {error}"
+        return ""
 
     def function(self, text, parameters, name):
         source = self.folder / f"{name}.cpp"
@@ -54,8 +71,8 @@ def problems(root, compiler, tiny_avatar):
                 continue
             count += 1
             name, given = f"snippet{count}", GIVEN.match(block.text)
-            if re.search(r"\bint main\(", block.text):
-                problem = compiler.program(block.language, block.text, name, tiny_avatar)
+            if recipes.is_program(block):
+                problem = compiler.program(page, block, name, tiny_avatar)
             elif given:
                 problem = compiler.function(block.text, given.group(1), name)
             else:
@@ -68,13 +85,13 @@ def problems(root, compiler, tiny_avatar):
 def main():
     parser = argparse.ArgumentParser()
     parser.add_argument("root", type=pathlib.Path)
-    for option in ("--library", "--make-avatar", "--cc", "--cxx"):
+    for option in ("--prefix", "--make-avatar", "--cc", "--cxx"):
         parser.add_argument(option, required=True)
     a = parser.parse_args()
     with tempfile.TemporaryDirectory() as folder:
         tiny = pathlib.Path(folder) / "tiny.glb"
         subprocess.run([a.make_avatar, tiny], check=True)
-        compiler = Compiler(a.root.resolve(), a.library, a.cc, a.cxx, folder)
+        compiler = Compiler(a.root.resolve(), a.prefix, a.cc, a.cxx, folder)
         return markdown.report(list(problems(a.root.resolve(), compiler, tiny)), "snippets")
 
 

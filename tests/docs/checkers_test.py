@@ -90,15 +90,48 @@ class Checkers(unittest.TestCase):
         self.complaints(["no option --rom", "no option --inline"], check_commands.problems(self.root, self.doppel, viewer=viewer))
         self.complaints([], check_commands.problems(self.root, self.doppel))
 
-    @unittest.skipUnless(shutil.which("cc") and shutil.which("c++"), "no cc and c++ in the path")
-    def test_snippets(self):
-        self.page("```c\nint main(void) { return 0; }\n```\n```cpp\nint main() { return 3; }\n```\n```c\nint main(void) { return gone(); }\n```\n"
-                  "```cpp\nnothing();\n```\n```cpp\n// given: int x\nint y = x + gone;\n```\n")
+    def test_packages(self):
+        (self.root / "tools").mkdir()
+        (self.root / "tools/packages-sdk.txt").write_text("one\ntwo\n")
+        (self.root / "tools/packages.txt").write_text("three\n")
+        (self.root / "docs/guides").mkdir()
+        self.page("```sh\nsudo apt-get install three four\nsudo rm x\n```\n")
+        self.page("```sh\nsudo apt-get install one \\\n    three\n```\n", "docs/guides/sdk.md")
+        self.complaints(["sdk.md:2: apt-get and tools/packages-sdk.txt differ in three, two", "installs no 'four'", "'sudo rm x' is no command"],
+                        check_commands.problems(self.root, self.doppel))
+
+    def snippets(self, text):
+        self.page(text)
         (self.root / "sdk/include/doppel").mkdir(parents=True)
         (self.root / "sdk/include/doppel/doppel.hpp").touch()
-        compiler = check_snippets.Compiler(self.root, "-lc", "cc", "c++", self.root)
-        self.complaints(["fails: (3)", "does not build", "neither a program", "does not compile"],
-                        check_snippets.problems(self.root, compiler, "tiny"))
+        (self.root / "tiny.glb").touch()
+        compiler = check_snippets.Compiler(self.root, self.root / "installed", "cc", "c++", self.root)
+        return check_snippets.problems(self.root, compiler, self.root / "tiny.glb")
+
+    @unittest.skipUnless(shutil.which("cc") and shutil.which("c++"), "no cc and c++ in the path")
+    def test_snippets(self):
+        self.complaints(["no lines of the page build it", "does not compile", "neither a program", "does not compile"], self.snippets(
+            "```c\nint main(void) { return 0; }\n```\n```c\nint main(void) { return gone(); }\n```\n"
+            "```cpp\nnothing();\n```\n```cpp\n// given: int x\nint y = x + gone;\n```\n"))
+
+    @unittest.skipUnless(shutil.which("cc"), "no cc in the path")
+    def test_programs_are_run_by_the_lines_of_their_page(self):
+        program = "```c\nint main(int argc, char** argv) { return argc != 2 || argv[1][0] != 'a' ? 3 : %d; }\n```\n"
+        lines = "```sh\ncc app.c -o app\n./app avatar.glb\n```\n"
+        self.page(program % 0 + lines, "docs/good.md")
+        self.complaints(["page.md:2: the block fails by the lines from 5: (4)"], self.snippets(program % 4 + lines))
+
+    @unittest.skipUnless(shutil.which("cc"), "no cc in the path")
+    def test_lines_that_do_not_build_or_run(self):
+        program = "```c\nint main(void) { return 0; }\n```\n"
+        self.complaints(["which do not run it"], self.snippets(program + "```sh\ncc app.c -o app\n```\n"))
+
+    @unittest.skipUnless(shutil.which("cc") and shutil.which("cmake"), "no cc and cmake in the path")
+    def test_projects_are_the_cmake_block_of_their_page(self):
+        program = "```c\nint main(void) { return 0; }\n```\n"
+        project = "```cmake\ncmake_minimum_required(VERSION 3.16)\nproject(app C)\n%sadd_executable(app app.c)\n```\n"
+        lines = "```sh\ncmake -S . -B build -DCMAKE_PREFIX_PATH=PREFIX\ncmake --build build\nbuild/app avatar.glb\n```\n"
+        self.complaints(["fails by the lines from 11: (1)"], self.snippets(program + project % "find_package(gone REQUIRED)\n" + lines))
 
 
 if __name__ == "__main__":

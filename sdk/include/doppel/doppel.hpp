@@ -11,6 +11,11 @@
 // Threads, units and errors: as in doppel.h.
 #pragma once
 
+// Compilers whose C++20 is young give a number between those of C++17 and C++20. MSVC gives it in _MSVC_LANG.
+#if defined(_MSVC_LANG) ? _MSVC_LANG <= 201703L : __cplusplus <= 201703L
+#error "doppel.hpp needs C++20: compile with -std=c++20 (MSVC: /std:c++20), or include doppel.h, which needs C99"
+#else  // without the rest of this header, whose errors would hide that one
+
 #include <cstdint>
 #include <memory>
 #include <optional>
@@ -358,3 +363,4 @@ private:
 };
 
 }  // namespace doppel
+#endif
