@@ -1,22 +1,28 @@
 // SPDX-License-Identifier: Apache-2.0
-// What engines and headsets use, converted to what Doppel uses.
+// Cameras that are aimed, and what engines and headsets use, converted to what Doppel uses.
 #include "sdk/include/doppel/doppel_convert.h"
 
 #include <cmath>
 #include <numbers>
 
 #include "sdk/api/api_state.h"
+#include "sdk/draw/check_draw.h"
 #include "sdk/math/types.h"
 
 namespace dpl::api {
 namespace {
 
 constexpr double kMaxAngleRad = 89.9 * std::numbers::pi / 180;
+// Sine of the angle between up and the view direction. Both come from floats, which are off by some 1e-7; at this angle that turns the
+// picture by a tenth of a radian.
+constexpr double kLeastUpSine = 1e-6;
 
-Result<Vec3d> positionOf(const float* given) {
-    if (!given) return fail(Code::InvalidArgument, "position is NULL");
+/** Three finite numbers. name: of the argument, for the error. */
+Result<Vec3d> vectorOf(const float* given, const char* name) {
+    if (!given) return fail(Code::InvalidArgument, "{} is NULL", name);
     for (int i = 0; i < 3; ++i)
-        if (!std::isfinite(given[i])) return fail(Code::InvalidArgument, "the position is not finite");
+        if (!std::isfinite(given[i]))
+            return fail(Code::InvalidArgument, "{} is not finite: ({}, {}, {})", name, given[0], given[1], given[2]);
     return Vec3d(given[0], given[1], given[2]);
 }
 
@@ -34,20 +40,29 @@ struct Lens {
     double fx, fy, cx, cy;  // pixels
 };
 
-Status writeCamera(const float* orientation, const float* position, const Lens& lens, uint32_t widthPx, uint32_t heightPx,
-                   DplCamera* camera) {
+/** Where an eye is, and its axes in the world, of length 1. */
+struct Eye {
+    Vec3d position, right, down, forward;
+};
+
+/** The eye of a pose that looks along -z with y up. */
+Result<Eye> eyeOf(const float* orientation, const float* position) {
     DPL_TRY(const Vec4d q, orientationOf(orientation));
-    DPL_TRY(const Vec3d eye, positionOf(position));
-    // Columns of the rotation: the eye's right, up and backward in the world. A DplCamera has x right, y down, z forward.
+    DPL_TRY(const Vec3d p, vectorOf(position, "position"));
+    // Columns of the rotation: the eye's right, up and backward in the world.
     const Vec3d right(1 - 2 * (q.y * q.y + q.z * q.z), 2 * (q.x * q.y + q.z * q.w), 2 * (q.x * q.z - q.y * q.w));
     const Vec3d up(2 * (q.x * q.y - q.z * q.w), 1 - 2 * (q.x * q.x + q.z * q.z), 2 * (q.y * q.z + q.x * q.w));
-    const Vec3d rows[3] = {right, -up, -glm::cross(right, up)};
+    return Eye{p, right, -up, -glm::cross(right, up)};
+}
+
+Status writeCamera(const Eye& eye, const Lens& lens, uint32_t widthPx, uint32_t heightPx, DplCamera* camera) {
+    const Vec3d rows[3] = {eye.right, eye.down, eye.forward};
     DplCamera made{};
     made.widthPx = widthPx, made.heightPx = heightPx;
     made.fx = float(lens.fx), made.fy = float(lens.fy), made.cx = float(lens.cx), made.cy = float(lens.cy);
     for (int row = 0; row < 3; ++row) {
         for (int column = 0; column < 3; ++column) made.viewFromWorld[4 * row + column] = float(rows[row][column]);
-        made.viewFromWorld[4 * row + 3] = float(-glm::dot(rows[row], eye));
+        made.viewFromWorld[4 * row + 3] = float(-glm::dot(rows[row], eye.position));
     }
     return writeStruct(camera, made, "camera");
 }
@@ -57,6 +72,36 @@ Status checkSize(uint32_t widthPx, uint32_t heightPx) {
         return fail(Code::InvalidArgument, "the view has {} x {} pixels; sides from 1 to {} are possible", widthPx, heightPx,
                     DPL_MAX_IMAGE_SIDE_PX);
     return {};
+}
+
+Status cameraLookAt(const float* eye, const float* target, const float* up, float fovYRad, uint32_t widthPx, uint32_t heightPx,
+                    DplCamera* camera) {
+    DPL_TRY(const Vec3d from, vectorOf(eye, "eye"));
+    DPL_TRY(const Vec3d to, vectorOf(target, "target"));
+    DPL_TRY(const Vec3d above, vectorOf(up, "up"));
+    DPL_CHECK_OK(checkSize(widthPx, heightPx));
+    if (!(fovYRad > 0 && fovYRad <= 2 * kMaxAngleRad))
+        return fail(Code::InvalidArgument, "fovYRad is {}; radians above 0 and up to {} (179.8 degrees) are possible", fovYRad,
+                    2 * kMaxAngleRad);
+    const double focalPx = 0.5 * heightPx / std::tan(0.5 * fovYRad);
+    if (focalPx > kMaxIntrinsicPx)
+        return fail(Code::InvalidArgument, "fovYRad is {}, a focal length of {} px; up to {} px are drawn", fovYRad, focalPx,
+                    kMaxIntrinsicPx);
+    if (glm::length(from) > kMaxDistanceM)
+        return fail(Code::InvalidArgument, "the eye is {} m from the origin; avatars are drawn from up to {} m", glm::length(from),
+                    kMaxDistanceM);
+    if (from == to)
+        return fail(Code::InvalidArgument, "eye and target are one point, ({}, {}, {}): where to look?", from.x, from.y, from.z);
+    if (above == Vec3d(0)) return fail(Code::InvalidArgument, "up is zero; (0, 1, 0) is usual");
+    const Vec3d forward = glm::normalize(to - from), aside = glm::cross(forward, glm::normalize(above));
+    const double sine = glm::length(aside);
+    if (!(sine >= kLeastUpSine))
+        return fail(Code::InvalidArgument,
+                    "up is parallel to the view direction ({}, {}, {}), so nothing says what is up in the picture; give {}", forward.x,
+                    forward.y, forward.z, std::abs(forward.y) > 0.5 ? "(0, 0, -1)" : "(0, 1, 0)");
+    const Vec3d right = aside / sine;
+    return writeCamera({from, right, glm::cross(forward, right), forward}, {focalPx, focalPx, 0.5 * widthPx, 0.5 * heightPx}, widthPx,
+                       heightPx, camera);
 }
 
 Status cameraFromAngles(const float* orientation, const float* position, const float* anglesRad, uint32_t widthPx, uint32_t heightPx,
@@ -72,7 +117,8 @@ Status cameraFromAngles(const float* orientation, const float* position, const f
         return fail(Code::InvalidArgument, "the view is empty or mirrored: left {}, right {}, top {}, bottom {} rad", anglesRad[0],
                     anglesRad[1], anglesRad[2], anglesRad[3]);
     const double fx = widthPx / (right - left), fy = heightPx / (top - bottom);
-    return writeCamera(orientation, position, {fx, fy, -left * fx, top * fy}, widthPx, heightPx, camera);
+    DPL_TRY(const Eye eye, eyeOf(orientation, position));
+    return writeCamera(eye, {fx, fy, -left * fx, top * fy}, widthPx, heightPx, camera);
 }
 
 Status cameraFromProjection(const float* orientation, const float* position, const float* projection, DplClipDepth clipDepth,
@@ -95,7 +141,8 @@ Status cameraFromProjection(const float* orientation, const float* position, con
     Lens lens{};
     lens.fx = 0.5 * widthPx * at(0, 0) / w, lens.cx = 0.5 * widthPx * (1 + forward * at(0, 2) / w);
     lens.fy = 0.5 * heightPx * std::abs(at(1, 1)) / w, lens.cy = 0.5 * heightPx * (1 - clipUp * forward * at(1, 2) / w);
-    DPL_CHECK_OK(writeCamera(orientation, position, lens, widthPx, heightPx, camera));
+    DPL_TRY(const Eye eye, eyeOf(orientation, position));
+    DPL_CHECK_OK(writeCamera(eye, lens, widthPx, heightPx, camera));
     if (depth) {
         const double scale = forward * at(2, 2) / w, offset = at(2, 3) / w;
         const bool zeroToOne = clipDepth == DPL_CLIP_DEPTH_ZERO_TO_ONE;
@@ -116,7 +163,7 @@ Status depthFromPlanes(float zAtZeroM, float zAtOneM, float* depth) {
 Status poseFromAxes(DplAxes axes, const float* orientation, const float* position, float* outOrientation, float* outPosition) {
     if (!outOrientation || !outPosition) return fail(Code::InvalidArgument, "an output is NULL");
     DPL_TRY(const Vec4d q, orientationOf(orientation));
-    DPL_TRY(const Vec3d p, positionOf(position));
+    DPL_TRY(const Vec3d p, vectorOf(position, "position"));
     Vec4d turned;
     Vec3d moved;
     // A mirrored world turns the other way round: the axis of a rotation is mapped like a position, and then negated.
@@ -143,6 +190,11 @@ Status poseFromAxes(DplAxes axes, const float* orientation, const float* positio
 
 using namespace dpl;
 using namespace dpl::api;
+
+extern "C" DplResult dplCameraLookAt(const float* eye, const float* target, const float* up, float fovYRad, uint32_t widthPx,
+                                     uint32_t heightPx, DplCamera* camera) {
+    return guarded("dplCameraLookAt", [&] { return cameraLookAt(eye, target, up, fovYRad, widthPx, heightPx, camera); });
+}
 
 extern "C" DplResult dplCameraFromAngles(const float* orientation, const float* position, const float* anglesRad, uint32_t widthPx,
                                          uint32_t heightPx, DplCamera* camera) {

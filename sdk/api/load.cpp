@@ -6,7 +6,9 @@
 #include <optional>
 
 #include "sdk/api/decode_file.h"
+#include "sdk/core/files.h"
 #include "sdk/core/log.h"
+#include "sdk/format/avatar_head.h"
 #include "sdk/visibility/lean_splats.h"
 
 namespace dpl::api {
@@ -298,6 +300,36 @@ Status checkBytes(const void* data, size_t size) {
     return {};
 }
 
+/** Loads on the calling thread. release: see Load. */
+Result<DplAvatar> loadNow(std::shared_ptr<Context> context, std::span<const uint8_t> bytes, void (*release)(void* user), void* user) {
+    const auto load = std::make_shared<Load>();
+    load->context = std::move(context);
+    load->bytes = bytes;
+    load->release = release, load->user = user;
+    load->finishing = true;
+    runLoad(*load);
+    DPL_TRY(auto loaded, finishLoad(load));
+    return reinterpret_cast<DplAvatar>(avatars().add(std::move(loaded)));
+}
+
+/** path: UTF-8. */
+Result<std::filesystem::path> pathOf(const char* path) {
+    if (path == nullptr) return fail(Code::InvalidArgument, "path is NULL");
+    if (*path == 0) return fail(Code::InvalidArgument, "path is empty");
+    try {
+        return std::filesystem::path(reinterpret_cast<const char8_t*>(path));
+    } catch (const std::system_error&) {  // on Windows, where paths are UTF-16
+        return fail(Code::InvalidArgument, "path is not UTF-8");
+    }
+}
+
+/** The bytes of the file of an avatar. What is wrong with the file is never the program's mistake. */
+Result<std::vector<uint8_t>> bytesOfFile(const std::filesystem::path& path) {
+    auto bytes = readFile(path, kMaxFileBytes, checkAvatarHead);
+    if (!bytes && bytes.error().code == Code::InvalidArgument) return Error{Code::Io, bytes.error().message};
+    return bytes;
+}
+
 }  // namespace
 }  // namespace dpl::api
 
@@ -308,13 +340,23 @@ extern "C" DplResult dplLoadAvatar(DplContext context, const uint8_t* data, size
     return guarded("dplLoadAvatar", [&]() -> Status {
         DPL_CHECK_OK(checkBytes(data, size));
         if (avatar == nullptr) return fail(Code::InvalidArgument, "avatar is NULL");
-        const auto load = std::make_shared<Load>();
-        DPL_TRY(load->context, contextOf(context));
-        load->bytes = {data, size};
-        load->finishing = true;
-        runLoad(*load);
-        DPL_TRY(auto loaded, finishLoad(load));
-        *avatar = reinterpret_cast<DplAvatar>(avatars().add(std::move(loaded)));
+        DPL_TRY(auto found, contextOf(context));
+        DPL_TRY(*avatar, loadNow(std::move(found), {data, size}, nullptr, nullptr));
+        return {};
+    });
+}
+
+extern "C" DplResult dplLoadAvatarFile(DplContext context, const char* path, DplAvatar* avatar) {
+    return guarded("dplLoadAvatarFile", [&]() -> Status {
+        DPL_TRY(const std::filesystem::path file, pathOf(path));
+        if (avatar == nullptr) return fail(Code::InvalidArgument, "avatar is NULL");
+        DPL_TRY(auto found, contextOf(context));
+        DPL_TRY(std::vector<uint8_t> bytes, bytesOfFile(file));
+        const auto release = [](void* user) { std::vector<uint8_t>().swap(*static_cast<std::vector<uint8_t>*>(user)); };
+        const auto loaded = loadNow(std::move(found), bytes, release, &bytes);
+        if (!loaded && loaded.error().message.empty()) return loaded.error();  // out of memory, perhaps for a text too
+        if (!loaded) return fail(loaded.error().code, "{}: {}", path, loaded.error().message);
+        *avatar = *loaded;
         return {};
     });
 }

@@ -46,7 +46,8 @@ int processId() {
 }
 #else
 using FileInfo = struct stat;
-constexpr int kRead = O_RDONLY, kWrite = O_WRONLY, kReplace = O_WRONLY | O_CREAT | O_TRUNC;
+constexpr int kRead = O_RDONLY | O_NONBLOCK | O_NOCTTY;  // opening a pipe that nobody writes to would wait
+constexpr int kWrite = O_WRONLY, kReplace = O_WRONLY | O_CREAT | O_TRUNC;
 int open(const std::filesystem::path& path, int mode) {
     return ::open(path.c_str(), mode | O_CLOEXEC, 0644);
 }
@@ -108,6 +109,13 @@ Status readFully(int fd, std::span<uint8_t> bytes, const std::filesystem::path& 
     return {};
 }
 
+/** A file that grows is being written, so what was read is a part of it. */
+Status checkEnd(int fd, const std::filesystem::path& path) {
+    uint8_t more = 0;
+    if (sys::read(fd, {&more, 1}) <= 0) return {};
+    return fail(Code::CorruptData, "{} became longer while it was read; run again when it is complete", pathText(path));
+}
+
 Status writeFully(int fd, std::span<const uint8_t> bytes, const std::filesystem::path& path) {
     while (!bytes.empty()) {
         const int64_t put = sys::write(fd, bytes);
@@ -144,12 +152,16 @@ Result<std::vector<uint8_t>> readFile(const std::filesystem::path& path, uint64_
     const uint64_t fileBytes = uint64_t(info.st_size);
     std::vector<uint8_t> bytes(size_t(check ? std::min<uint64_t>(fileBytes, kFileHeadBytes) : fileBytes));
     DPL_CHECK_OK(readFully(file.fd, bytes, path));
-    if (!check) return bytes;
+    if (!check) {
+        DPL_CHECK_OK(checkEnd(file.fd, path));
+        return bytes;
+    }
     if (const Status accepted = check(bytes, fileBytes); !accepted)
         return fail(accepted.error().code, "{}: {}", pathText(path), accepted.error().message);
     const size_t headBytes = bytes.size();
     bytes.resize(size_t(fileBytes));
     DPL_CHECK_OK(readFully(file.fd, std::span(bytes).subspan(headBytes), path));
+    DPL_CHECK_OK(checkEnd(file.fd, path));
     return bytes;
 }
 

@@ -20,7 +20,8 @@ constexpr size_t kFileHeadBytes = 4096;
  *  it reads the rest. */
 using CheckFileHead = Status (*)(std::span<const uint8_t> head, uint64_t fileBytes);
 
-/** Reads a regular file of at most `maxBytes`. `check` may be null. Errors name the path and, where known, a remedy. */
+/** Reads a regular file of at most `maxBytes`. `check` may be null. Errors name the path and, where known, a remedy. NotFound: there is no
+ *  such file. InvalidArgument: a folder, a pipe or a device; it never waits for one. CorruptData: the file grew or shrank meanwhile. */
 Result<std::vector<uint8_t>> readFile(const std::filesystem::path& path, uint64_t maxBytes = kMaxFileBytes, CheckFileHead check = nullptr);
 
 /** The path at the end of a chain of symbolic links. A file need not exist there. */

@@ -7,8 +7,6 @@
 namespace dpl {
 namespace {
 
-constexpr float kMaxIntrinsicPx = 1e7f;      // beyond any lens; keeps products finite
-constexpr float kMaxDistanceM = 1e5f;        // per coordinate; checkPose has the same limit for the root
 constexpr float kRotationTolerance = 1e-3f;  // of each entry of RᵀR
 
 Status checkView(const Cameraf& c, size_t view) {

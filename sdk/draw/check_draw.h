@@ -10,6 +10,9 @@
 
 namespace dpl {
 
+constexpr float kMaxIntrinsicPx = 1e7f;  // of focal lengths and principal point: beyond any lens; keeps products finite
+constexpr float kMaxDistanceM = 1e5f;    // of each coordinate of a view's translation; checkPose has the same limit for the root
+
 /** Requires 1 to kMaxViews cameras of the same size, with sides of 1 to kMaxImageSidePx pixels, focal lengths above 0, rotations without
  * mirroring, and finite numbers small enough that products of them stay finite. InvalidArgument names the view. */
 Status checkViews(std::span<const Cameraf> views);

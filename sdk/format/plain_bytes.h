@@ -1,13 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
-// Converts vectors of trivially copyable values to bytes and back.
+// Plain bytes: how they begin, and vectors of trivially copyable values to bytes and back.
 #pragma once
 
 #include <cstdint>
 #include <cstring>
 #include <span>
+#include <string_view>
 #include <vector>
 
 namespace dpl {
+
+inline bool beginsWith(std::span<const uint8_t> bytes, std::string_view magic) {
+    return bytes.size() >= magic.size() && std::memcmp(bytes.data(), magic.data(), magic.size()) == 0;
+}
 
 template <class T>
 std::vector<uint8_t> bytesOf(const std::vector<T>& values) {

@@ -8,6 +8,7 @@
 
 #include "sdk/format/compressed_ply.h"
 #include "sdk/format/gltf_splats.h"
+#include "sdk/format/plain_bytes.h"
 #include "sdk/format/ply.h"
 #include "sdk/format/ply_header.h"
 #include "sdk/format/spz.h"
@@ -16,10 +17,6 @@ namespace dpl {
 namespace {
 
 constexpr double kStrayShare = 0.01;  // of the centres, left out at each end of an axis
-
-bool beginsWith(std::span<const uint8_t> bytes, std::string_view magic) {
-    return bytes.size() >= magic.size() && std::memcmp(bytes.data(), magic.data(), magic.size()) == 0;
-}
 
 /** The JSON chunk of a .glb; empty if there is none. */
 std::string_view jsonOf(std::span<const uint8_t> bytes) {

@@ -153,11 +153,13 @@ static void callDrawing(DplContext context, DplAvatar avatar, DplAvatar other) {
 }
 
 static void callConversions(void) {
-    const float turn[4] = {0, 0, 0, 1}, place[3] = {1, 2, 3}, angles[4] = {-0.5f, 0.5f, 0.5f, -0.5f};
+    const float turn[4] = {0, 0, 0, 1}, place[3] = {1, 2, 3}, angles[4] = {-0.5f, 0.5f, 0.5f, -0.5f}, up[3] = {0, 1, 0};
     const float projection[16] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, -1, -1, 0, 0, -0.1f, 0};
     float outTurn[4], outPlace[3], stored[2];
     DplCamera camera = {0};
     camera.structSize = sizeof camera;
+    OK(dplCameraLookAt(place, up, up, 0.8f, 100, 50, &camera));
+    CHECK(camera.cx == 50 && camera.cy == 25 && camera.fx == camera.fy);
     OK(dplCameraFromAngles(turn, place, angles, 100, 100, &camera));
     CHECK(fabsf(camera.cx - 50) < 1e-3f);
     OK(dplCameraFromProjection(turn, place, projection, DPL_CLIP_DEPTH_ZERO_TO_ONE, 100, 100, &camera, stored));
@@ -219,7 +221,7 @@ int main(int argc, char** argv) {
     OK(dplGetRendererName(context, &name));
     CHECK(strstr(name, "software") != NULL);
     OK(dplLoadAvatar(context, file, size, &avatar));
-    OK(dplLoadAvatar(context, file, size, &other));
+    OK(dplLoadAvatarFile(context, argv[1], &other));
     about.structSize = sizeof about;
     OK(dplGetAvatarInfo(avatar, &about));
     CHECK(about.jointCount > 20 && about.jointCount <= kMostJoints && about.clipCount == 1);

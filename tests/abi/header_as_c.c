@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-/* Includes doppel.h and doppel_convert.h in a strict C99 program: they compile without warnings, their constants are constant expressions,
- * structs keep their layout. In builds with Vulkan, doppel_vulkan.h too. */
+/* Includes doppel.h, doppel_convert.h and doppel_png.h in a strict C99 program: they compile without warnings, their constants are constant
+ * expressions, structs keep their layout. In builds with Vulkan, doppel_vulkan.h too. */
 #include <doppel/doppel.h>
 #include <doppel/doppel_convert.h>
+#include <doppel/doppel_png.h>
 #ifdef WITH_VULKAN
 #include <doppel/doppel_vulkan.h>
 #endif
@@ -66,6 +67,7 @@ int main(void) {
           sizeof(DplTrackerFlag) == 4 && sizeof(DplTrackerState) == 4);
 
     CHECK(sizeof(DplClipDepth) == 4 && sizeof(DplAxes) == 4 && dplSecondsBetween(1, 1000000001) == 1);
+    CHECK(dplWritePng(NULL, junk, 1, 1) == DPL_ERROR_INVALID_ARGUMENT && dplWritePng("", junk, 0, 1) == DPL_ERROR_INVALID_ARGUMENT);
 
     CHECK(dplGetVersion() == ((DPL_VERSION_MAJOR << 16) | (DPL_VERSION_MINOR << 8) | DPL_VERSION_PATCH));
     CHECK(strcmp(dplGetResultName(DPL_ERROR_VERSION), "DPL_ERROR_VERSION") == 0);

@@ -2,9 +2,10 @@
 /* Doppel: load a person, pose them, draw them. The C API; C99 and C++.
  *
  *   DplContext context;  dplCreateContext(NULL, &context);
- *   DplAvatar avatar;    dplLoadAvatar(context, bytes, size, &avatar);
+ *   DplAvatar avatar;    dplLoadAvatarFile(context, "avatar.glb", &avatar);
  *   dplSetPoseFromClip(avatar, 0, 1.25, DPL_TRUE);
- *   DplCamera camera = {sizeof camera, 512, 768, 900, 900, 256, 384, {1,0,0,0,  0,-1,0,1,  0,0,-1,3}};
+ *   DplCamera camera = {sizeof camera};
+ *   dplCameraLookAt(eye, target, up, 0.8f, 512, 768, &camera);      (doppel_convert.h)
  *   DplImage image = {sizeof image, 0, pixels, sizeof pixels};
  *   dplRender(context, avatar, &camera, 1, &image);
  *
@@ -13,8 +14,8 @@
  * A camera looks along its +z axis, with x to the right and y down.
  *
  * Threads. Every function may be called from any thread. Calls on the same context and its avatars wait for one another; only while
- * dplLoadAvatar and dplLoadClip read their bytes, and during loads in the background (dplStartLoad), do other calls go on. To draw in
- * parallel, give each thread its own context. The text of dplGetLastError() belongs to the calling thread.
+ * dplLoadAvatar, dplLoadAvatarFile and dplLoadClip read their bytes, and during loads in the background (dplStartLoad), do other calls go
+ * on. To draw in parallel, give each thread its own context. The text of dplGetLastError() belongs to the calling thread.
  *
  * Errors. A function returns DPL_OK or an error code, and writes its outputs only on DPL_OK. After an error, dplGetLastError() has a
  * sentence for a human. These mistakes give DPL_ERROR_INVALID_ARGUMENT and a line in the log: NULL where a pointer is needed, a
@@ -23,7 +24,7 @@
  *
  * Versions. A program runs with every later library of the same major version, without being built again: functions, numbers of enums and
  * fields of structs stay and keep their meaning. What a later minor version adds is new functions, new numbers that a program must ask for,
- * and new fields at the end of structs. Exempt is what is marked DPL_EXPERIMENTAL: nothing now. Full rules: docs/reference/abi.md.
+ * and new fields at the end of structs. Exempt is what is marked DPL_EXPERIMENTAL. Full rules: docs/reference/abi.md.
  *
  * Struct sizes. Structs begin with structSize: set it to sizeof the struct, and the rest to zero before you fill it. The library reads and
  * writes no byte beyond it. Zero in a field keeps the behaviour of the version before the field. A size below that of the struct's first
@@ -79,12 +80,12 @@ typedef struct DplTrackerHandle* DplTracker; /**< what turns frames of a platfor
 typedef enum DplResult {
     DPL_OK = 0,
     DPL_ERROR_INVALID_ARGUMENT = -1, /**< the call is wrong; fix the program */
-    DPL_ERROR_NOT_FOUND = -2,        /**< there is no such name or index */
+    DPL_ERROR_NOT_FOUND = -2,        /**< there is no such name, index or file */
     DPL_ERROR_CORRUPT_DATA = -3,     /**< the bytes are damaged or of another kind; get the file again */
     DPL_ERROR_VERSION = -4,          /**< the file is newer than this library; update the library */
     DPL_ERROR_UNSUPPORTED = -5,      /**< valid, but this build or this machine cannot do it */
     DPL_ERROR_OUT_OF_MEMORY = -6,
-    DPL_ERROR_IO = -7,
+    DPL_ERROR_IO = -7,       /**< a file cannot be read; the text says why */
     DPL_ERROR_DEVICE = -8,   /**< the graphics device failed or was lost; dplRebuildVulkan (doppel_vulkan.h) keeps the avatars */
     DPL_ERROR_INTERNAL = -9, /**< a defect of this library; please report the text */
     DPL_RESULT_FORCE_INT32 = 0x7fffffff
@@ -176,6 +177,12 @@ DPL_API DplResult dplGetRendererName(DplContext context, const char** name);
  *  DPL_ERROR_CORRUPT_DATA: damaged file. DPL_ERROR_VERSION: the text names the versions of file and library. DPL_ERROR_UNSUPPORTED: another
  *  kind of file, or more splats than the device can bind; the text says what would help. */
 DPL_API DplResult dplLoadAvatar(DplContext context, const uint8_t* data, size_t size, DplAvatar* avatar);
+
+/** dplLoadAvatar for a file. path: UTF-8, on Windows too. The file is read within the call and may be changed or removed afterwards.
+ *  Errors about the file name it. DPL_ERROR_NOT_FOUND: there is no such file. DPL_ERROR_IO: it cannot be read, or is a folder, a pipe or a
+ *  device. DPL_ERROR_CORRUPT_DATA: it is damaged or empty, or another program is writing it. DPL_ERROR_UNSUPPORTED: also a file above 4
+ * GiB. DPL_ERROR_OUT_OF_MEMORY: also when there is none for its bytes. Otherwise as dplLoadAvatar. */
+DPL_EXPERIMENTAL DplResult dplLoadAvatarFile(DplContext context, const char* path, DplAvatar* avatar);
 
 /** Limits DplFrameStats::residentBytes: what the renderer holds in graphics memory, or in memory if it draws on the CPU. 0: no limit, as
  *  after creation. An avatar with which a load would exceed the limit is loaded with less: without the highest SH bands, and if that is not

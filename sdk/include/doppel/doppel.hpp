@@ -4,9 +4,10 @@
 //
 //   auto context = doppel::Context::create();
 //   if (!context) return report(context.error());
-//   auto avatar = context->loadAvatar(bytes);            // Result<Avatar>, move-only owner
+//   auto avatar = context->loadAvatarFile("avatar.glb");  // Result<Avatar>, move-only owner
 //   avatar->setPoseFromClip(0, 1.25);
-//   avatar->render({&camera, 1}, {&image, 1});
+//   auto camera = doppel::Camera::lookAt({.eye = {0, 1, 3}, .target = {0, 1, 0}, .fovYRad = 0.8f, .widthPx = 512, .heightPx = 768});
+//   avatar->render(*camera, {&image, 1});
 //
 // Threads, units and errors: as in doppel.h.
 #pragma once
@@ -16,6 +17,7 @@
 #error "doppel.hpp needs C++20: compile with -std=c++20 (MSVC: /std:c++20), or include doppel.h, which needs C99"
 #else  // without the rest of this header, whose errors would hide that one
 
+#include <array>
 #include <cstdint>
 #include <memory>
 #include <optional>
@@ -26,6 +28,7 @@
 #include <vector>
 
 #include <doppel/doppel.h>
+#include <doppel/doppel_convert.h>
 
 namespace doppel {
 
@@ -102,6 +105,26 @@ Result<T> filled(Get get, Arguments... arguments) {
     if (const DplResult r = get(arguments..., &out); r != DPL_OK) return lastError(r);
     return out;
 }
+
+/** How Camera::lookAt aims; see dplCameraLookAt. What is left out is an error, but for up. */
+struct LookAt {
+    std::array<float, 3> eye{}, target{};  // metres, in the world
+    std::array<float, 3> up{0, 1, 0};      // of any length; not parallel to the view direction
+    float fovYRad = 0;                     // vertical field of view
+    uint32_t widthPx = 0, heightPx = 0;
+};
+
+/** A DplCamera whose structSize is set. */
+struct Camera : DplCamera {
+    Camera() : DplCamera{} { structSize = sizeof(DplCamera); }
+    /** A camera at `how.eye` that looks at `how.target`. */
+    static Result<Camera> lookAt(const LookAt& how) {
+        return filled<Camera>(dplCameraLookAt, how.eye.data(), how.target.data(), how.up.data(), how.fovYRad, how.widthPx, how.heightPx);
+    }
+    /** Functions that take views take a camera as one view. */
+    operator std::span<const DplCamera>() const { return {static_cast<const DplCamera*>(this), 1}; }
+};
+static_assert(sizeof(Camera) == sizeof(DplCamera));
 
 /** Owns one tracker, which it destroys. Move-only, as Avatar. It may outlive its avatar, but then poses nothing. */
 class Tracker {
@@ -322,6 +345,12 @@ public:
     Result<Avatar> loadAvatar(std::span<const uint8_t> bytes) const {
         DplAvatar avatar = nullptr;
         if (const DplResult r = dplLoadAvatar(handle_, bytes.data(), bytes.size(), &avatar); r != DPL_OK) return lastError(r);
+        return Avatar(handle_, avatar);
+    }
+    /** The same for a file. path: UTF-8. See dplLoadAvatarFile. */
+    Result<Avatar> loadAvatarFile(const std::string& path) const {
+        DplAvatar avatar = nullptr;
+        if (const DplResult r = dplLoadAvatarFile(handle_, path.c_str(), &avatar); r != DPL_OK) return lastError(r);
         return Avatar(handle_, avatar);
     }
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/* Converts what engines and headsets use to what Doppel uses: views and projections to DplCamera, left-handed poses, depth buffers,
- * timestamps. Include it beside doppel.h; C99 and C++. Tables for OpenXR, Unity, Unreal and visionOS:
+/* Aims cameras, and converts what engines and headsets use to what Doppel uses: views and projections to DplCamera, left-handed poses,
+ * depth buffers, timestamps. Include it beside doppel.h; C99 and C++. Tables for OpenXR, Unity, Unreal and visionOS:
  * docs/guides/conventions-for-engines.md.
  *
  * A pose here is an orientation (quaternion x, y, z, w) and a position (3 floats, metres) of something in the world, in OpenXR's axes:
@@ -16,6 +16,18 @@
 #ifdef __cplusplus
 extern "C" {
 #endif
+
+/** A camera at `eye` that looks at `target`, which lands in the middle of the picture.
+ *  eye, target: 3 floats, metres, in the world; at most 100 km and any distance between them. up: 3 floats, of any length: the direction
+ * that points up in the picture, usually (0, 1, 0), the world's up. To look straight down or up, give a sideways one such as (0, 0, -1).
+ *  fovYRad: vertical field of view, radians, above 0 and up to 179.8 degrees. Pixels are square. camera: structSize set; the scene depth
+ *  becomes NULL.
+ *    const float eye[3] = {0, 1, 3}, target[3] = {0, 1, 0}, up[3] = {0, 1, 0};  // before an avatar at rest, which faces +Z
+ *    dplCameraLookAt(eye, target, up, 0.8f, 512, 768, &camera)
+ *  DPL_ERROR_INVALID_ARGUMENT: also eye and target in one point, an up that is zero or parallel to the view direction, a size of 0 or above
+ *  DPL_MAX_IMAGE_SIDE_PX, and a field of view so small that the focal length exceeds 10 million pixels. */
+DPL_EXPERIMENTAL DplResult dplCameraLookAt(const float* eye, const float* target, const float* up, float fovYRad, uint32_t widthPx,
+                                           uint32_t heightPx, DplCamera* camera);
 
 /** The camera of a view that is given by four angles, as OpenXR, ARKit and visionOS do. The frustum may be asymmetric and canted.
  *  anglesRad: of the left, right, top and bottom edge from straight ahead, as XrFovf: usually left and bottom are negative. Left must be

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 /* Loads an avatar, poses it by its clip, draws two views and checks the pixel in the middle. */
 #include <doppel/doppel.h>
+#include <doppel/doppel_convert.h>
+#include <doppel/doppel_png.h>
 
 #include <stdio.h>
-#include <stdlib.h>
 
 static int failed(const char* what) {
     printf("%s: %s\n", what, dplGetLastError());
@@ -11,38 +12,24 @@ static int failed(const char* what) {
 }
 
 int main(int argc, char** argv) {
-    static unsigned char file[1 << 20], left[64 * 64 * 4], right[64 * 64 * 4];
+    static unsigned char left[64 * 64 * 4], right[64 * 64 * 4];
     static float depth[64 * 64];
+    const float eyes[2][3] = {{-0.03f, 1, 3}, {0.03f, 1, 3}}, ahead[2][3] = {{-0.03f, 1, 0}, {0.03f, 1, 0}}, up[3] = {0, 1, 0};
     DplContext context;
     DplAvatar avatar;
     DplAvatarInfo info = {0};
-    DplCamera views[2] = {{.structSize = sizeof(DplCamera),
-                           .widthPx = 64,
-                           .heightPx = 64,
-                           .fx = 60,
-                           .fy = 60,
-                           .cx = 32,
-                           .cy = 32,
-                           .viewFromWorld = {1, 0, 0, 0.03f, 0, -1, 0, 1, 0, 0, -1, 3}},
-                          {.structSize = sizeof(DplCamera),
-                           .widthPx = 64,
-                           .heightPx = 64,
-                           .fx = 60,
-                           .fy = 60,
-                           .cx = 32,
-                           .cy = 32,
-                           .viewFromWorld = {1, 0, 0, -0.03f, 0, -1, 0, 1, 0, 0, -1, 3}}};
+    DplCamera views[2] = {{.structSize = sizeof(DplCamera)}, {.structSize = sizeof(DplCamera)}};
     DplImage images[2] = {{0}};
-    size_t size, middle = (32 * 64 + 32);
-    FILE* in = argc == 2 ? fopen(argv[1], "rb") : NULL;
-    if (in == NULL) return printf("usage: consumer_c AVATAR.glb\n"), 2;
-    size = fread(file, 1, sizeof file, in);
-    fclose(in);
+    size_t middle = (32 * 64 + 32);
+    int eye;
+    if (argc != 2) return printf("usage: consumer_c AVATAR.glb\n"), 2;
     if (dplCreateContext(NULL, &context) != DPL_OK) return failed("context");
-    if (dplLoadAvatar(context, file, size, &avatar) != DPL_OK) return failed("avatar");
+    if (dplLoadAvatarFile(context, argv[1], &avatar) != DPL_OK) return failed("avatar");
     info.structSize = sizeof info;
     if (dplGetAvatarInfo(avatar, &info) != DPL_OK) return failed("info");
     if (dplSetPoseFromClip(avatar, 0, 0.0, DPL_FALSE) != DPL_OK) return failed("clip");
+    for (eye = 0; eye < 2; ++eye)
+        if (dplCameraLookAt(eyes[eye], ahead[eye], up, 0.98f, 64, 64, &views[eye]) != DPL_OK) return failed("camera");
     images[0].structSize = images[1].structSize = sizeof images[0];
     images[0].rgba = left, images[0].rgbaBytes = sizeof left;
     images[1].rgba = right, images[1].rgbaBytes = sizeof right;
@@ -53,6 +40,7 @@ int main(int argc, char** argv) {
     if (left[middle * 4] < 200 || left[middle * 4 + 1] > 20 || left[middle * 4 + 3] < 200) return printf("the middle is not red\n"), 1;
     if (right[middle * 4] < 200 || left[3] != 0) return printf("the right view or the corner is wrong\n"), 1;
     if (depth[middle] < 2.9f || depth[middle] > 3.1f) return printf("the depth is not 3 m\n"), 1;
+    if (dplWritePng("left.png", left, 64, 64) != DPL_OK) return perror("left.png"), 1;
     if (dplDestroyContext(context) != DPL_OK || dplDestroyAvatar(avatar) != DPL_OK) return failed("destroy");
     return 0;
 }

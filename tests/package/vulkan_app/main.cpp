@@ -4,6 +4,7 @@
 // few frames, changes its size on the way, and compares the last frame of each size with what the CPU draws and composes.
 //
 //   vulkan_app AVATAR.glb [OUT.ppm]      exit 77: no Vulkan device
+#include <doppel/doppel_convert.h>
 #include <doppel/doppel_vulkan.h>
 
 #include <algorithm>
@@ -11,8 +12,8 @@
 #include <cstdio>
 #include <cstring>
 #include <fstream>
-#include <iterator>
 #include <memory>
+#include <vector>
 
 #include "room.h"
 
@@ -25,34 +26,20 @@ void check(DplResult result) {
     if (result != DPL_OK) throw std::runtime_error(dplGetLastError());
 }
 
-std::vector<uint8_t> readFile(const char* path) {
-    std::ifstream file(path, std::ios::binary);
-    if (!file) throw std::runtime_error(std::string(path) + " cannot be opened");
-    return {std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
-}
-
 /** From 1.5 m above the floor, looking slightly down, 50 degrees high. */
 DplCamera cameraOf(VkExtent2D size) {
-    const float f = 1.07f * float(size.height), tilt = -0.12f, c = std::cos(tilt), s = std::sin(tilt);
-    const float eyeY = 1.5f, eyeZ = 4.2f;
-    // rows: right, down, forward = (0, s, -c)
-    return {sizeof(DplCamera),
-            size.width,
-            size.height,
-            f,
-            f,
-            float(size.width) / 2,
-            float(size.height) / 2,
-            {1, 0, 0, 0, 0, -c, -s, c * eyeY + s * eyeZ, 0, s, -c, -s * eyeY + c * eyeZ},
-            nullptr,
-            0};
+    const float eye[3] = {0, 1.5f, 4.2f}, target[3] = {0, 1, 0}, up[3] = {0, 1, 0};
+    DplCamera camera{};
+    camera.structSize = sizeof camera;
+    check(dplCameraLookAt(eye, target, up, 0.874f, size.width, size.height, &camera));
+    return camera;
 }
 
 /** Two people who walk past each other. */
 class Walkers {
 public:
-    Walkers(DplContext context, const std::vector<uint8_t>& file) {
-        for (DplAvatar& avatar : avatars) check(dplLoadAvatar(context, file.data(), file.size(), &avatar));
+    Walkers(DplContext context, const char* file) {
+        for (DplAvatar& avatar : avatars) check(dplLoadAvatarFile(context, file, &avatar));
         DplAvatarInfo info{};
         info.structSize = sizeof info;
         check(dplGetAvatarInfo(avatars[0], &info));
@@ -100,7 +87,7 @@ uint16_t halfOf(float value) {
 
 class App {
 public:
-    explicit App(const std::vector<uint8_t>& file) : room_(device_) {
+    explicit App(const char* file) : room_(device_) {
         DplVulkanDevice mine{};
         mine.structSize = sizeof mine;
         mine.queueFamily = device_.family;
@@ -314,7 +301,7 @@ private:
 int main(int argc, char** argv) {
     if (argc < 2) return std::printf("usage: vulkan_app AVATAR.glb [OUT.ppm]\n"), 2;
     try {
-        App app(readFile(argv[1]));
+        App app(argv[1]);
         bool good = true;
         for (const VkExtent2D size : {VkExtent2D{400, 500}, VkExtent2D{640, 400}}) {
             const double db = app.play(size, size.width == 640 && argc > 2 ? argv[2] : nullptr);

@@ -10,12 +10,15 @@
 #include <limits>
 #include <random>
 
+#include "tests/unit/api/seen_point.h"
+
 namespace {
 
 constexpr float kInfinity = std::numeric_limits<float>::infinity(), kNan = std::numeric_limits<float>::quiet_NaN();
 constexpr double kTolerance = 1e-6;  // relative: the outputs are floats, whose rounding is 6e-8
 
-using Vector = std::array<double, 3>;
+using dpl::test::seen;
+using dpl::test::Vector;
 using Quaternion = std::array<double, 4>;  // x, y, z, w
 
 Quaternion product(const Quaternion& a, const Quaternion& b) {
@@ -59,16 +62,6 @@ DplCamera emptyCamera() {
     DplCamera camera{};
     camera.structSize = sizeof camera;
     return camera;
-}
-
-/** Pixel and distance of a world point by a DplCamera, as doppel.h defines it. */
-Vector seen(const DplCamera& camera, const Vector& world) {
-    double v[3];
-    for (int row = 0; row < 3; ++row) {
-        const float* m = camera.viewFromWorld + 4 * row;
-        v[row] = m[0] * world[0] + m[1] * world[1] + m[2] * world[2] + m[3];
-    }
-    return {camera.fx * v[0] / v[2] + camera.cx, camera.fy * v[1] / v[2] + camera.cy, v[2]};
 }
 
 /** The world point that an eye with this pose sees at tangents (right, up) and distance z. */

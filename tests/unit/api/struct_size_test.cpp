@@ -129,6 +129,10 @@ TEST_F(StructSize, inputs) {
         const float turn[] = {0, 0, 0, 1}, place[] = {0, 0, 0}, angles[] = {-0.5f, 0.5f, 0.5f, -0.5f};
         return dplCameraFromAngles(turn, place, angles, 10, 10, s);
     });
+    check<DplCamera>("DplCamera of dplCameraLookAt", nothing<DplCamera>, [](DplCamera* s) {
+        const float eye[] = {0, 1, 3}, target[] = {0, 1, 0}, up[] = {0, 1, 0};
+        return dplCameraLookAt(eye, target, up, 0.8f, 10, 10, s);
+    });
 }
 
 }  // namespace

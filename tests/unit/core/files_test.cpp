@@ -75,6 +75,21 @@ TEST_F(Files, refusesMoreThanTheLimitAndFolders) {
     EXPECT_FALSE(readFile(folder_));
 }
 
+std::filesystem::path growing;  // a CheckFileHead holds no state
+
+TEST_F(Files, aFileThatGrowsWhileItIsReadIsRefused) {
+    growing = folder_ / "a";
+    ASSERT_TRUE(writeFileAtomically(growing, std::string(2 * kFileHeadBytes, 'a')));
+    const auto grow = [](std::span<const uint8_t>, uint64_t fileBytes) {
+        std::filesystem::resize_file(growing, fileBytes + 1);
+        return Status();
+    };
+    const auto bytes = readFile(growing, kMaxFileBytes, grow);
+    ASSERT_FALSE(bytes);
+    EXPECT_EQ(bytes.error().code, Code::CorruptData);
+    EXPECT_NE(bytes.error().message.find("longer while it was read"), std::string::npos) << bytes.error().message;
+}
+
 TEST_F(Files, aFileThatIsAcceptedIsReadWhole) {
     const std::string text(3 * kFileHeadBytes + 7, 'a');
     ASSERT_TRUE(writeFileAtomically(folder_ / "a", text));
@@ -127,6 +142,14 @@ TEST_F(Files, aPipeIsWrittenToAndNotReplaced) {
     EXPECT_TRUE(written);
     EXPECT_EQ(got, "abc");
     EXPECT_TRUE(std::filesystem::is_fifo(pipe));
+}
+
+TEST_F(Files, aPipeIsRefusedAndNobodyWaitsForItsWriter) {
+    const std::filesystem::path pipe = folder_ / "pipe";
+    ASSERT_EQ(::mkfifo(pipe.c_str(), 0600), 0);
+    const auto bytes = readFile(pipe);
+    ASSERT_FALSE(bytes);
+    EXPECT_NE(bytes.error().message.find("is not a file"), std::string::npos) << bytes.error().message;
 }
 
 TEST_F(Files, aFullDeviceIsAnErrorAndStaysADevice) {
