@@ -3,6 +3,7 @@
 
 #include <cctype>
 #include <iterator>
+#include <string_view>
 #include <utility>
 
 #include "sdk/core/result.h"
@@ -10,7 +11,7 @@
 namespace dpl {
 namespace {
 
-/** What a mean masked PSNR looks like. Judged by eye on drafts and finished avatars, drawn beside their pictures. */
+/** What a mean masked PSNR looks like. Judged by eye on drafts between 16 and 25 dB, drawn beside their pictures. */
 struct Likeness {
     double fromDb;
     const char* words;
@@ -24,6 +25,19 @@ const char* likenessOf(double maskedPsnrDb) {
     for (const Likeness& l : kLikeness)
         if (maskedPsnrDb >= l.fromDb) return l.words;
     return kLikeness[std::size(kLikeness) - 1].words;  // not a number
+}
+
+/** What a part of the evidence is to the eye; the part's own name follows in brackets, for the table. */
+std::string plainName(const std::string& part) {
+    constexpr std::string_view kGarment = "garment layer: ";
+    constexpr std::pair<std::string_view, const char*> kNames[] = {{"garment layers", "clothes as layers of their own"},
+                                                                   {"pose-dependent offsets", "a surface that follows the pose"},
+                                                                   {"pose-dependent light", "light that follows the pose"},
+                                                                   {"view-dependent colour", "gloss"}};
+    if (part.starts_with(kGarment)) return part.substr(kGarment.size()) + " as a layer of its own";
+    for (const auto& [begin, name] : kNames)
+        if (part.starts_with(begin)) return name + (" (" + part + ")");
+    return part;
 }
 
 }  // namespace
@@ -53,10 +67,8 @@ std::string verdictSentence(const ReportData& data) {
 
 std::string draftSentence(const ReportData& data) {
     if (data.length.steps >= data.length.standardSteps) return "";
-    return formatText(
-        "This is a draft: it was trained for {} steps, the preset standard takes {}. The same command without --preset draft, --steps and "
-        "--time-budget makes a finer avatar.",
-        data.length.steps, data.length.standardSteps);
+    return formatText("This is a draft: it was trained for {} steps. The preset standard trains for {} and makes a finer avatar.",
+                      data.length.steps, data.length.standardSteps);
 }
 
 std::vector<std::string> leftOut(const std::vector<EvidenceData>& evidence) {
@@ -66,7 +78,7 @@ std::vector<std::string> leftOut(const std::vector<EvidenceData>& evidence) {
         const std::string why = row.gainDb == 0  ? row.reason
                                 : row.gainDb < 0 ? "the pictures were better without it"
                                                  : "the pictures were better with it, but too little for its size in the file";
-        sentences.push_back(row.part + ": " + why);
+        sentences.push_back(plainName(row.part) + ": " + why);
     }
     return sentences;
 }

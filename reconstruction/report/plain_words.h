@@ -12,7 +12,7 @@ namespace dpl {
 /** How the avatar looks beside the pictures that it was not made from, in one sentence. */
 std::string verdictSentence(const ReportData& data);
 
-/** That the avatar is a draft, and how to make a finished one. Empty when it was trained as long as the preset standard trains. */
+/** That the avatar is a draft, and what makes a finer one. Empty when it was trained as long as the preset standard trains. */
 std::string draftSentence(const ReportData& data);
 
 /** Parts that the avatar does not have and why, one sentence each. */

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <span>
@@ -130,10 +131,24 @@ void addList(std::string& html, const std::vector<std::string>& sentences) {
     html += "</ul>";
 }
 
+/** Numbered lines become a list. The line above them says what the section's heading says. */
+void addAdvice(std::string& html, const std::string& advice) {
+    std::string list;
+    for (size_t at = 0; at < advice.size();) {
+        const size_t end = std::min(advice.find('\n', at), advice.size());
+        const std::string line = advice.substr(at, end - at);
+        const size_t text = line.find(". ");
+        if (line.starts_with("  ") && text != std::string::npos) list += "<li>" + escapeHtml(line.substr(text + 2)) + "</li>";
+        at = end + 1;
+    }
+    html += list.empty() ? "<p class=lines>" + escapeHtml(advice) + "</p>" : "<p>The most helpful first:</p><ol>" + list + "</ol>";
+}
+
 /** Stands early, because it is what the reader can change. */
 void addFilmAgain(std::string& html, const FilmAgainSection& section) {
     if (section.advice.empty() && section.warnings.empty()) return;
-    html += "<h2>What to film again</h2><p class=lines>" + escapeHtml(section.advice) + "</p>";
+    html += "<h2>What to film again</h2>";
+    addAdvice(html, section.advice);
     if (!section.warnings.empty()) {
         html += "<p>The check of the pictures warns:</p>";
         addList(html, section.warnings);

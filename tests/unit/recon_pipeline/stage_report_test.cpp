@@ -67,7 +67,7 @@ TEST_F(StageReport, beginsWithWhatToFilmAgain) {
     EXPECT_EQ(json["body_map"][0]["place"], "the face");
     EXPECT_EQ(json["body_map"][0]["mm_per_pixel"], 1.5);
     const std::string html = text("report.html"), summary = text("summary.txt");
-    EXPECT_LT(html.find("1. Film the face"), html.find("Quality on held-out frames"));
+    EXPECT_LT(html.find("<li>Film the face</li>"), html.find("Quality on held-out frames"));
     EXPECT_EQ(summary.find(mapped_.advice), 0u);
 }
 
@@ -84,7 +84,7 @@ TEST_F(StageReport, scoresTheHeldOutFramesAndWritesItsFiles) {
     EXPECT_NEAR(mean("dynamic", "with_pose_fit"), meanDb({7}, fitted), 1e-9);
     EXPECT_NEAR(mean("dynamic", "without_pose_fit"), meanDb({7}, registered), 1e-9);
     EXPECT_GT(mean("static", "with_pose_fit"), mean("static", "without_pose_fit") + 3);
-    EXPECT_EQ(json["limits"], nlohmann::json({"garment layer: hair: not seen"}));
+    EXPECT_EQ(json["limits"], nlohmann::json({"hair as a layer of its own: not seen"}));
 
     EXPECT_TRUE(text("report.html").starts_with("<!doctype html>"));
     char headline[64];
