@@ -60,7 +60,8 @@ void addReconstructCommand(CLI::App& app, CommandRun& run) {
             nlohmann::json stages = nlohmann::json::array();
             for (const StageRecord& s : result->stages)
                 stages.push_back({{"name", s.name}, {"seconds", s.seconds}, {"peakBytes", s.peakBytes}, {"reused", s.reused}});
-            return talk->succeed(result->summary + "\nopen " + result->report.string(),
+            return talk->succeed(result->summary + formatText("\nThe avatar is {}. Open {} to see it beside your pictures.",
+                                                              result->avatar.string(), result->report.string()),
                                  {{"avatar", result->avatar.string()},
                                   {"poses", result->poses.string()},
                                   {"report", result->report.string()},

@@ -226,11 +226,13 @@ Result<GarmentFit> makeClothedMesh(const GarmentInput& input, const std::functio
     GarmentFit fit;
     const auto oneLayer = [&](std::string why) {
         fit.clothed = bodyLayer(input, input.bodyOffsets);
+        for (GarmentDecision& decision : fit.decisions)
+            if (decision.reason.empty()) decision.reason = why;
         fit.summary = "one layer, clothes are part of the body's surface: " + std::move(why);
         return fit;
     };
     const std::vector<ScanLabel> labels = votingLabels(input.labels);
-    for (size_t c = 1; c < labels.size(); ++c) fit.decisions.push_back({labels[c], false, "there is no clothed surface to carry it", 0, 0});
+    for (size_t c = 1; c < labels.size(); ++c) fit.decisions.push_back({labels[c], false, "", 0, 0});
     const auto labelled = std::count_if(input.views.begin(), input.views.end(), [](const auto& v) { return !v.labels.pixels.empty(); });
     if (labels.size() < 2) return oneLayer("the scan names no clothing labels");
     if (labelled == 0) return oneLayer("no still picture has labels");

@@ -6,7 +6,9 @@
 #include "reconstruction/ladder/ladder.h"
 #include "reconstruction/package/avatar_bytes.h"
 #include "reconstruction/pipeline/frame_scores.h"
+#include "reconstruction/pipeline/portrait.h"
 #include "reconstruction/pipeline/run_scan.h"
+#include "reconstruction/report/plain_words.h"
 #include "reconstruction/report/published_score.h"
 
 namespace dpl {
@@ -98,10 +100,13 @@ Result<std::string> evaluateAvatar(const EvaluateOptions& options, Progress& pro
                         options.scan.string());
         summary += "\n" + ladderText(*data.ladder);
     }
+    summary += "\n\n" + verdictSentence(data);
     progress.endStage(formatText("{} held-out frames", data.frames.size()));
     if (options.out.empty()) return summary;
+    data.evidence = avatar.evidence;
+    DPL_TRY(data.portrait, drawPortrait(ingested.scan, cameras, poses, avatar, view, jobs));
     DPL_CHECK_OK(writeReport(data, options.out));
-    return summary + "\nopen " + (options.out / "report.html").string();
+    return summary + formatText("\nOpen {} to see the avatar beside these pictures.", (options.out / "report.html").string());
 }
 
 }  // namespace dpl

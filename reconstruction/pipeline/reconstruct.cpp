@@ -86,8 +86,7 @@ Result<ReconstructResult> reconstructFrom(const StageRun& run, const IngestedSca
     DPL_TRY(const auto posesBytes, readFile(found.file));
     DPL_CHECK_OK(writeFileAtomically(paths.poses, posesBytes));
     DPL_CHECK_OK(writeCameras(ingested, camerasBeside(paths.poses)));
-    DPL_TRY(const StageOutput report,
-            runReport(run, ingested, body, dressed.decided, training, package, found, mapped, pictures, settings));
+    DPL_TRY(const StageOutput report, runReport(run, ingested, body, training, package, found, mapped, pictures, settings));
     for (const char* name : {"report.html", "report.json"}) {
         DPL_TRY(const auto bytes, readFile(report.folder / name));
         DPL_CHECK_OK(writeFileAtomically(options.out / name, bytes));

@@ -76,7 +76,7 @@ Result<DressedBody> runGarments(const StageRun& run, const IngestedScan& ingeste
     json labels = json::array();
     for (const ScanLabel& label : wanted) labels.push_back({label.name, label.value});
     const json inputs = {{"training", ingested.trainingHash}, {"surface", surface.key}, {"labels", labels}};
-    DPL_TRY(const StageOutput stage, run.chain.run("garments", 8, inputs, [&](StageContext& context) {
+    DPL_TRY(const StageOutput stage, run.chain.run("garments", 9, inputs, [&](StageContext& context) {
         return dress(run, ingested, body, surface, pictures, wanted, context);
     }));
     DressedBody dressed;

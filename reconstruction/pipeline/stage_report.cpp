@@ -9,10 +9,12 @@
 #include "reconstruction/ladder/ladder.h"
 #include "reconstruction/pipeline/detail_figures.h"
 #include "reconstruction/pipeline/frame_scores.h"
+#include "reconstruction/pipeline/portrait.h"
 #include "reconstruction/pipeline/scale_figures.h"
 #include "reconstruction/pipeline/stages.h"
 #include "reconstruction/priors.h"
 #include "reconstruction/report/draw_view.h"
+#include "reconstruction/report/plain_words.h"
 #include "reconstruction/report/provenance.h"
 #include "reconstruction/report/report.h"
 #include "reconstruction/report/score.h"
@@ -94,8 +96,11 @@ void addGarments(ReportData& data) {
         }
 }
 
-FilmAgainSection filmAgainSection(const MappedBody& mapped) {
-    FilmAgainSection section{mapped.advice, {}, mapped.pictures};
+FilmAgainSection filmAgainSection(const IngestedScan& ingested, const MappedBody& mapped) {
+    FilmAgainSection section{mapped.advice, {}, {}, mapped.pictures};
+    const auto check = nlohmann::json::parse(ingested.check, nullptr, /*allow_exceptions=*/false);
+    if (check.is_object() && check.contains("findings"))
+        for (const auto& finding : check["findings"]) section.warnings.push_back(finding.value("sentence", ""));
     for (const auto& p : mapped.figures["places"])
         section.rows.push_back({p.value("name", ""), p.value("mm_per_pixel", 0.0), p.value("finest_detail_mm", 0.0),
                                 p.value("blur_px", 0.0), p.value("pictures", 0.0), p.value("not_seen", 0.0)});
@@ -107,6 +112,8 @@ std::string summaryOf(const ReportData& data, size_t splats, size_t bytes) {
     text += scoreLines(data.frames, "held-out") + scoreLines(data.validation, "validation");
     if (const std::string bars = barSummary(data); !bars.empty()) text += "\n" + bars;
     for (const std::string& sentence : data.provenance) text += "\n" + sentence;
+    text += "\n\n" + verdictSentence(data);
+    if (const std::string draft = draftSentence(data); !draft.empty()) text += "\n" + draft;
     return text;
 }
 
@@ -137,15 +144,15 @@ nlohmann::json measuringFiles(const std::filesystem::path& scan) {
 
 }  // namespace
 
-Result<StageOutput> runReport(const StageRun& run, const IngestedScan& ingested, const FittedBody& body,
-                              const std::vector<EvidenceData>& decided, const Training& training, const Package& package,
-                              const FoundPoses& found, const MappedBody& mapped, Pictures& pictures, const RunSettings& settings) {
+Result<StageOutput> runReport(const StageRun& run, const IngestedScan& ingested, const FittedBody& body, const Training& training,
+                              const Package& package, const FoundPoses& found, const MappedBody& mapped, Pictures& pictures,
+                              const RunSettings& settings) {
     const nlohmann::json inputs = {{"pose_fit", found.key},
                                    {"map", mapped.key},
                                    {"labels", scoredLabels(ingested)},
                                    {"verdict", ingested.verdict + ingested.validation},
                                    {"measuring", measuringFiles(ingested.scan.root)}};
-    return run.chain.run("report", 11, inputs, [&](StageContext& context) -> Status {
+    return run.chain.run("report", 12, inputs, [&](StageContext& context) -> Status {
         DPL_TRY(AvatarData avatar, readAvatar(package.bytes));
         DPL_TRY(AvatarInfo info, inspectAvatar(package.bytes));
         ReportData data;
@@ -159,9 +166,11 @@ Result<StageOutput> runReport(const StageRun& run, const IngestedScan& ingested,
                       {"splats", std::to_string(avatar.splats.count())},
                       {"file", std::to_string(package.bytes.size()) + " bytes"},
                       {"content hash", info.contentHash}};
-        data.filmAgain = filmAgainSection(mapped);
+        data.filmAgain = filmAgainSection(ingested, mapped);
         data.verdict = ingested.verdict + ingested.validation + "\n";
+        data.length = {training.steps, settingsOf({}).training.steps};
         DPL_TRY(auto view, AvatarView::open(package.bytes, run.jobs.threadCount()));
+        DPL_TRY(data.portrait, drawPortrait(ingested.scan, body.cameras, found.poses, avatar, view, run.jobs));
         DPL_TRY(const LabelColours labelColours, gatherLabelColours(ingested, pictures));
         DPL_TRY(const FrameSet heldOut, framesOf(ingested, Split::Test, body.cameras, body.fit.poses, pictures));
         const auto tell = [&context](double share, const std::string& what) {
@@ -202,7 +211,6 @@ Result<StageOutput> runReport(const StageRun& run, const IngestedScan& ingested,
         addWaterfall(data);
         addGarments(data);
         data.evidence = avatar.evidence;
-        for (const EvidenceData& row : decided) data.limits.push_back(row.part + ": " + row.reason);
         DPL_CHECK_OK(writeFileAtomically(context.folder / "summary.txt", summaryOf(data, avatar.splats.count(), package.bytes.size())));
         return writeReport(data, context.folder);
     });

@@ -135,9 +135,9 @@ Result<Package> runPackage(const StageRun& run, const IngestedScan& ingested, co
 Result<FoundPoses> runPoseFit(const StageRun& run, const IngestedScan& ingested, const FittedBody& body, const RegisteredPoses& registered,
                               const Training& training, const Package& package, Pictures& pictures, const RunSettings& settings);
 /** Writes report.html, report.json and summary.txt into the returned folder. */
-Result<StageOutput> runReport(const StageRun& run, const IngestedScan& ingested, const FittedBody& body,
-                              const std::vector<EvidenceData>& decided, const Training& training, const Package& package,
-                              const FoundPoses& found, const MappedBody& mapped, Pictures& pictures, const RunSettings& settings);
+Result<StageOutput> runReport(const StageRun& run, const IngestedScan& ingested, const FittedBody& body, const Training& training,
+                              const Package& package, const FoundPoses& found, const MappedBody& mapped, Pictures& pictures,
+                              const RunSettings& settings);
 
 /** Runs every stage after the body fit. Writes avatar.glb, poses.json and the report into options.out. */
 Result<ReconstructResult> reconstructFrom(const StageRun& run, const IngestedScan& ingested, const FittedBody& body,

@@ -4,6 +4,7 @@
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
+#include "reconstruction/report/html_table.h"
 #include "reconstruction/report/svg_plot.h"
 
 namespace dpl {
@@ -75,17 +76,17 @@ std::string ladderHtml(const Ladder& ladder) {
     std::string html =
         "<h2>The ladder: what remains when the truth replaces a stage</h2><p class=soft>Masked PSNR in dB, and the mean distance of the "
         "avatar's vertices from where the true surface would carry them. Frames whose true surface is known; their number stands in "
-        "brackets.</p><table><tr><th>rung</th>" +
-        head + "</tr>";
+        "brackets.</p>" +
+        std::string(kTableBegin) + "<tr><th>rung</th>" + head + "</tr>";
     for (const LadderRung& rung : ladder.rungs) addRow(html, rung.what, rung.cells);
-    html += "</table>";
+    html += kTableEnd;
     if (ladder.garments.empty()) return html;
     html +=
         "<p class=soft>Mean distance between each garment and the true one, both ways, in mm, of that of the same avatar without pose "
-        "correctives; in brackets the ratio.</p><table><tr><th>garment</th>" +
-        head + "</tr>";
+        "correctives; in brackets the ratio.</p>" +
+        std::string(kTableBegin) + "<tr><th>garment</th>" + head + "</tr>";
     for (const GarmentRow& row : ladder.garments) addRow(html, rowName(row), row.cells);
-    return html + "</table>";
+    return html + kTableEnd;
 }
 
 nlohmann::ordered_json ladderJson(const Ladder& ladder) {

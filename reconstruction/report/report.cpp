@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
+#include "reconstruction/report/plain_words.h"
 #include "sdk/core/files.h"
 
 namespace dpl {
@@ -88,6 +89,7 @@ std::optional<FrameScore> meanScore(const std::vector<HeldOutFrame>& frames, con
 std::string reportJson(const ReportData& data) {
     ordered_json out;
     out["title"] = data.title;
+    out["in_words"] = verdictSentence(data);
     for (const auto& [name, value] : data.facts) out["facts"][name] = value;
     out["film_again"] = data.filmAgain.advice;
     out["body_map"] = ordered_json::array();
@@ -126,7 +128,7 @@ std::string reportJson(const ReportData& data) {
     out["evidence"] = ordered_json::array();
     for (const EvidenceData& e : data.evidence)
         out["evidence"].push_back({{"part", e.part}, {"kept", e.kept}, {"gain_db", e.gainDb}, {"bytes", e.bytes}, {"reason", e.reason}});
-    out["limits"] = data.limits;
+    out["limits"] = leftOut(data.evidence);
     return out.dump(1);
 }
 

@@ -65,13 +65,28 @@ struct MapRow {
 
 /** What to film again, and the map that says so. */
 struct FilmAgainSection {
-    std::string advice;  // one line of heading, then a numbered line each
+    std::string advice;                 // one line of heading, then a numbered line each
+    std::vector<std::string> warnings;  // of the scan check, one sentence each
     std::vector<MapRow> rows;
     std::vector<std::vector<uint8_t>> pictures;  // PNG; may be empty
 };
 
+/** The picture of the person that opens the page. */
+struct Portrait {
+    std::vector<uint8_t> png;  // empty: none
+    std::string frame;         // whose camera drew it
+};
+
+/** How long the avatar was trained, for the sentence that tells a draft. 0: not known. */
+struct TrainingLength {
+    uint32_t steps = 0;
+    uint32_t standardSteps = 0;  // of the preset standard
+};
+
 struct ReportData {
     std::string title;
+    Portrait portrait;
+    TrainingLength length;
     FilmAgainSection filmAgain;
     std::vector<std::pair<std::string, std::string>> facts;  // scan, body, preset, seed, ...
     std::vector<std::string> provenance;                     // what the figures stand for, one sentence each (provenance.h)
@@ -84,7 +99,6 @@ struct ReportData {
     std::vector<ReportFigure> waterfall;  // dB lost by each stage, for scans with truth
     std::optional<Ladder> ladder;         // of scans with a truth
     std::vector<EvidenceData> evidence;
-    std::vector<std::string> limits;  // known limits of this version, one sentence each
 };
 
 /** Mean over the frames of a kind; nullopt when there are none. */

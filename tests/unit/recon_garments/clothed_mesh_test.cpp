@@ -205,6 +205,8 @@ TEST(ClothedMesh, withoutLabelsTheBodyIsTheOnlyLayer) {
         const auto fit = makeClothedMesh({body(), rig, offsets, c.views, {}, c.names}, {}, jobs);
         ASSERT_TRUE(fit) << fit.error().message;
         EXPECT_NE(fit->summary.find(c.says), std::string::npos) << fit->summary;
+        for (const GarmentDecision& decision : fit->decisions)
+            EXPECT_NE(decision.reason.find(c.says), std::string::npos) << decision.label.name << ": " << decision.reason;
         ASSERT_EQ(fit->clothed.mesh.layers.size(), 1u);
         EXPECT_EQ(fit->clothed.triangleLabel.size(), body().triangles.size());
         for (size_t v = 0; v < offsets.size(); ++v) ASSERT_EQ(fit->clothed.mesh.restPositions[v], body().restPositions[v] + offsets[v]);

@@ -12,6 +12,8 @@ class StageReport : public testing::Test {
 protected:
     StageReport() {
         toy_.takePictures(toy_.avatar);
+        toy_.avatar.evidence = {{"garment layer: top", true, 0, 0, "12 triangles"}, {"garment layer: hair", false, 0, 0, "not seen"}};
+        toy_.package.bytes = bytesOf(toy_.avatar);
         for (size_t f = 0; f < ToyReconstruction::kFrames; ++f) {
             const ScanFrame& frame = toy_.ingested.scan.frames[f];
             const bool heldOut = frame.split == Split::Test;
@@ -25,12 +27,16 @@ protected:
     /** report.json, after a run of the stage. */
     nlohmann::json report() {
         Pictures pictures(toy_.ingested.scan);
-        const auto stage = runReport(toy_.run, toy_.ingested, toy_.body, {{"garments", false, 0, 0, "not in this version"}}, toy_.training,
-                                     toy_.package, found_, mapped_, pictures, settingsOf({}));
+        const auto stage =
+            runReport(toy_.run, toy_.ingested, toy_.body, toy_.training, toy_.package, found_, mapped_, pictures, settingsOf({}));
         if (!stage) throw std::runtime_error(stage.error().message);
         folder_ = stage->folder;
-        const auto bytes = must(readFile(folder_ / "report.json"));
-        return nlohmann::json::parse(bytes.begin(), bytes.end());
+        return nlohmann::json::parse(text("report.json"));
+    }
+    /** A file of that run. */
+    std::string text(const char* file) const {
+        const auto bytes = must(readFile(folder_ / file));
+        return {bytes.begin(), bytes.end()};
     }
     /** Mean masked PSNR of frames, drawn in the given poses. */
     double meanDb(const std::vector<size_t>& frames, const std::function<Pose(size_t)>& poseOf) {
@@ -60,12 +66,8 @@ TEST_F(StageReport, beginsWithWhatToFilmAgain) {
     ASSERT_EQ(json["body_map"].size(), 1u);
     EXPECT_EQ(json["body_map"][0]["place"], "the face");
     EXPECT_EQ(json["body_map"][0]["mm_per_pixel"], 1.5);
-    const auto text = [&](const char* file) {
-        const auto bytes = must(readFile(folder_ / file));
-        return std::string(bytes.begin(), bytes.end());
-    };
     const std::string html = text("report.html"), summary = text("summary.txt");
-    EXPECT_LT(html.find("1. Film the face"), html.find("Quality on held-out frames"));
+    EXPECT_LT(html.find("<li>Film the face</li>"), html.find("Quality on held-out frames"));
     EXPECT_EQ(summary.find(mapped_.advice), 0u);
 }
 
@@ -82,13 +84,38 @@ TEST_F(StageReport, scoresTheHeldOutFramesAndWritesItsFiles) {
     EXPECT_NEAR(mean("dynamic", "with_pose_fit"), meanDb({7}, fitted), 1e-9);
     EXPECT_NEAR(mean("dynamic", "without_pose_fit"), meanDb({7}, registered), 1e-9);
     EXPECT_GT(mean("static", "with_pose_fit"), mean("static", "without_pose_fit") + 3);
-    EXPECT_EQ(json["limits"], nlohmann::json({"garments: not in this version"}));
+    EXPECT_EQ(json["limits"], nlohmann::json({"hair as a layer of its own: not seen"}));
 
-    const auto html = must(readFile(folder_ / "report.html")), summary = must(readFile(folder_ / "summary.txt"));
-    EXPECT_TRUE(std::string(html.begin(), html.end()).starts_with("<!doctype html>"));
+    EXPECT_TRUE(text("report.html").starts_with("<!doctype html>"));
     char headline[64];
     std::snprintf(headline, sizeof headline, "masked PSNR %.2f dB", mean("static", "with_pose_fit"));
-    EXPECT_NE(std::string(summary.begin(), summary.end()).find(headline), std::string::npos);
+    EXPECT_NE(text("summary.txt").find(headline), std::string::npos);
+}
+
+TEST_F(StageReport, endsWithWordsForWhoFilmed) {
+    toy_.training.steps = 300;
+    const nlohmann::json json = report();
+    const std::string summary = text("summary.txt");
+    const size_t verdict = summary.find("\n\n" + json["in_words"].get<std::string>() + "\nThis is a draft: it was trained for 300 steps");
+    ASSERT_NE(verdict, std::string::npos) << summary;
+    EXPECT_LT(summary.find("bars met"), verdict) << "the figures stay, above the words";
+    EXPECT_EQ(summary.find("dB", verdict), std::string::npos);
+    EXPECT_NE(text("report.html").find("<p class=verdict>" + json["in_words"].get<std::string>()), std::string::npos);
+}
+
+TEST_F(StageReport, warningsOfTheCheckStandUnderWhatToFilmAgain) {
+    toy_.ingested.check = R"({"findings": [{"topic": "blur", "sentence": "3 pictures are soft"}]})";
+    report();
+    const std::string html = text("report.html");
+    EXPECT_LT(html.find("What to film again"), html.find("<li>3 pictures are soft</li>"));
+    EXPECT_LT(html.find("<li>3 pictures are soft</li>"), html.find("<details>"));
+}
+
+TEST_F(StageReport, opensWithThePersonFromTheFront) {
+    report();
+    const std::string html = text("report.html");
+    // The camera of frame 0 looks at the front (+Z).
+    EXPECT_LT(html.find("<img alt=\"the avatar, drawn as the camera of frame_0 saw the person\""), html.find("<h1>"));
 }
 
 TEST_F(StageReport, comparesWithTheTruthAndSaysWhoseBodyItIs) {
