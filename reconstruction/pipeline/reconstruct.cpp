@@ -99,10 +99,13 @@ Result<ReconstructResult> reconstructFrom(const StageRun& run, const IngestedSca
 }
 
 Result<ReconstructResult> reconstruct(const ReconstructOptions& options, Progress& progress) {
-    return runFromScan<ReconstructResult>(options, progress,
-                                          [&](const StageRun& run, const IngestedScan& ingested, const FittedBody& body) {
-                                              return reconstructFrom(run, ingested, body, options);
-                                          });
+    auto result =
+        runFromScan<ReconstructResult>(options, progress, [&](const StageRun& run, const IngestedScan& ingested, const FittedBody& body) {
+            return reconstructFrom(run, ingested, body, options);
+        });
+    if (!result && result.error().code == Code::Cancelled)
+        return fail(Code::Cancelled, "{}. Nothing that was finished is lost: run the same command again to go on", result.error().message);
+    return result;
 }
 
 Result<std::string> checkFilm(const ReconstructOptions& options, Progress& progress) {

@@ -173,6 +173,7 @@ for attempt in 1 2 3 4 5 6 7 8; do  # a run that has not stopped after 0.7 s end
     if eval "$checkpoint"; then break; fi
 done
 eval "$checkpoint" || failed "a run stopped in training keeps no checkpoint"
+tail -n 1 killed.log | grep -Eq "run the same command again to go on|^doppel: stopped$" || failed "a stopped run does not say how to go on"
 echo "ok: stopped in training, checkpoint kept"
 start_killed
 await 'grep -q "continuing at step" killed.log'

@@ -22,7 +22,7 @@ FLAGS = ("--headless", "--no-sandbox", "--disable-gpu", "--disable-quic", "--no-
 SMALLEST_FONT_PX = 11
 # Runs inside the page. A box is cut when its content is wider than itself and it cannot scroll.
 MEASURE = """<script>addEventListener("load", () => {
-    const root = document.scrollingElement, person = document.querySelector("img"), verdict = document.querySelector(".verdict");
+    const root = document.scrollingElement, person = document.querySelector(".top img"), verdict = document.querySelector(".verdict");
     const closed = {width: root.scrollWidth, bottom: person && person.getBoundingClientRect().bottom,
                     personHeight: person && person.getBoundingClientRect().height, verdict: verdict && verdict.getBoundingClientRect().bottom};
     document.querySelectorAll("details").forEach(d => d.open = true);
