@@ -19,7 +19,7 @@ GIVEN = re.compile(r"\s*// given: (.+)\n")
 
 class Compiler:
     def __init__(self, root, prefix, cc, cxx, folder):
-        self.prefix, self.folder = pathlib.Path(prefix), pathlib.Path(folder)
+        self.prefix, self.folder = pathlib.Path(prefix).resolve(), pathlib.Path(folder)
         include = f"-I{root / 'sdk/include'}"
         warnings = ["-Wall", "-Wextra", "-pedantic", "-Werror", include]
         self.command = {"c": [cc, "-std=c99", *warnings], "cpp": [cxx, "-std=c++20", *warnings]}
