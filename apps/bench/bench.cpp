@@ -7,7 +7,7 @@
 #include "apps/bench/tables.h"
 #include "apps/shared/checks.h"
 #include "apps/shared/pictures.h"
-#include "reconstruction/pipeline/progress.h"
+#include "reconstruction/run/progress.h"
 #include "sdk/core/files.h"
 
 namespace dpl {

@@ -7,8 +7,8 @@
 
 #include "apps/bench/count_allocations.h"
 #include "apps/shared/pictures.h"
-#include "reconstruction/package/avatar_bytes.h"
-#include "reconstruction/report/sdk_camera.h"
+#include "reconstruction/judging/report/sdk_camera.h"
+#include "reconstruction/output/package/avatar_bytes.h"
 
 namespace dpl {
 namespace {

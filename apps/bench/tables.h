@@ -3,7 +3,7 @@
 #pragma once
 
 #include "apps/bench/contestants.h"
-#include "reconstruction/report/svg_plot.h"
+#include "reconstruction/judging/report/svg_plot.h"
 
 namespace dpl {
 

@@ -3,11 +3,11 @@
 
 #include "apps/doppel/commands.h"
 #include "apps/shared/checks.h"
-#include "reconstruction/body/body_io.h"
-#include "reconstruction/body/body_tools.h"
-#include "reconstruction/body/makehuman.h"
-#include "reconstruction/body/smplx.h"
-#include "reconstruction/sample/builtin_body.h"
+#include "reconstruction/subject/body/body_io.h"
+#include "reconstruction/subject/body/body_tools.h"
+#include "reconstruction/subject/body/makehuman.h"
+#include "reconstruction/subject/body/smplx.h"
+#include "reconstruction/subject/sample/builtin_body.h"
 
 namespace dpl {
 namespace {

@@ -3,8 +3,8 @@
 
 #include "apps/doppel/commands.h"
 #include "apps/shared/checks.h"
-#include "reconstruction/capture/person_height.h"
-#include "reconstruction/pipeline/find_cameras.h"
+#include "reconstruction/input/capture/person_height.h"
+#include "reconstruction/run/find_cameras.h"
 
 namespace dpl {
 

@@ -2,7 +2,7 @@
 #include "apps/doppel/commands.h"
 #include "apps/doppel/scan_options.h"
 #include "apps/doppel/talk.h"
-#include "reconstruction/pipeline/reconstruct.h"
+#include "reconstruction/run/reconstruct.h"
 
 namespace dpl {
 

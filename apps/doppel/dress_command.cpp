@@ -3,8 +3,8 @@
 
 #include "apps/doppel/commands.h"
 #include "apps/shared/checks.h"
-#include "reconstruction/dress/dress.h"
-#include "reconstruction/pipeline/progress.h"
+#include "reconstruction/output/dress/dress.h"
+#include "reconstruction/run/progress.h"
 #include "sdk/core/files.h"
 
 namespace dpl {

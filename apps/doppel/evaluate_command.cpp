@@ -3,7 +3,7 @@
 
 #include "apps/doppel/commands.h"
 #include "apps/shared/checks.h"
-#include "reconstruction/pipeline/evaluate.h"
+#include "reconstruction/run/evaluate.h"
 
 namespace dpl {
 

@@ -3,7 +3,7 @@
 
 #include "apps/doppel/commands.h"
 #include "apps/shared/checks.h"
-#include "reconstruction/package/posed_splats.h"
+#include "reconstruction/output/package/posed_splats.h"
 
 namespace dpl {
 

@@ -4,9 +4,9 @@
 #include "apps/doppel/commands.h"
 #include "apps/doppel/video_options.h"
 #include "apps/shared/checks.h"
-#include "reconstruction/capture/person_height.h"
-#include "reconstruction/import/import.h"
-#include "reconstruction/pipeline/progress.h"
+#include "reconstruction/input/capture/person_height.h"
+#include "reconstruction/input/import/import.h"
+#include "reconstruction/run/progress.h"
 
 namespace dpl {
 

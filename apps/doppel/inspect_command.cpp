@@ -2,8 +2,8 @@
 #include <cstdio>
 
 #include "apps/doppel/commands.h"
-#include "reconstruction/package/inspect.h"
-#include "reconstruction/pipeline/clothes_in_motion.h"
+#include "reconstruction/output/package/inspect.h"
+#include "reconstruction/run/clothes_in_motion.h"
 
 namespace dpl {
 

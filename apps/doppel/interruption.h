@@ -7,7 +7,7 @@
 #include <cstdlib>
 #include <future>
 
-#include "reconstruction/pipeline/progress.h"
+#include "reconstruction/run/progress.h"
 
 namespace dpl {
 

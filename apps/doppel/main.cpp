@@ -10,7 +10,7 @@
 #include "apps/doppel/interruption.h"
 #include "apps/doppel/talk.h"
 #include "apps/shared/checks.h"
-#include "reconstruction/body/solver_log.h"
+#include "reconstruction/subject/body/solver_log.h"
 
 namespace dpl {
 

@@ -4,7 +4,7 @@
 #include "apps/doppel/commands.h"
 #include "apps/doppel/talk.h"
 #include "apps/shared/checks.h"
-#include "reconstruction/package/pack.h"
+#include "reconstruction/output/package/pack.h"
 #include "sdk/core/files.h"
 
 namespace dpl {

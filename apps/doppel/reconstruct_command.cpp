@@ -3,7 +3,7 @@
 #include "apps/doppel/scan_options.h"
 #include "apps/doppel/talk.h"
 #include "apps/shared/checks.h"
-#include "reconstruction/pipeline/reconstruct.h"
+#include "reconstruction/run/reconstruct.h"
 
 namespace dpl {
 

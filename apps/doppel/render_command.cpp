@@ -10,10 +10,10 @@
 #include "apps/shared/checks.h"
 #include "apps/shared/pictures.h"
 #include "apps/shared/video_writer.h"
-#include "reconstruction/image/image_codec.h"
-#include "reconstruction/package/avatar_bytes.h"
-#include "reconstruction/pipeline/run_scan.h"
-#include "reconstruction/pipeline/train_frames.h"
+#include "reconstruction/base/image_codec.h"
+#include "reconstruction/output/package/avatar_bytes.h"
+#include "reconstruction/run/run_scan.h"
+#include "reconstruction/run/train_frames.h"
 #include "sdk/core/files.h"
 
 namespace dpl {

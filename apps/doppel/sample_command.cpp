@@ -3,8 +3,8 @@
 
 #include "apps/doppel/commands.h"
 #include "apps/shared/checks.h"
-#include "reconstruction/pipeline/progress.h"
-#include "reconstruction/sample/scan_writer.h"
+#include "reconstruction/run/progress.h"
+#include "reconstruction/subject/sample/scan_writer.h"
 
 namespace dpl {
 

@@ -5,8 +5,8 @@
 #include "apps/doppel/commands.h"
 #include "apps/doppel/video_options.h"
 #include "apps/shared/checks.h"
-#include "reconstruction/capture/person_height.h"
-#include "reconstruction/pipeline/reconstruct.h"
+#include "reconstruction/input/capture/person_height.h"
+#include "reconstruction/run/reconstruct.h"
 
 namespace dpl {
 

@@ -7,7 +7,7 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
-#include "reconstruction/pipeline/progress.h"
+#include "reconstruction/run/progress.h"
 #include "sdk/core/result.h"
 
 namespace dpl {

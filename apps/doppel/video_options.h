@@ -4,7 +4,7 @@
 
 #include <CLI/CLI.hpp>
 
-#include "reconstruction/import/video_capture.h"
+#include "reconstruction/input/import/video_capture.h"
 
 namespace dpl {
 

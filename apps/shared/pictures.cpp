@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "reconstruction/report/sdk_camera.h"
+#include "reconstruction/judging/report/sdk_camera.h"
 #include "sdk/core/files.h"
 
 namespace dpl {

@@ -7,7 +7,7 @@
 #include <memory>
 #include <span>
 
-#include "reconstruction/cameras/program.h"
+#include "reconstruction/base/program.h"
 #include "sdk/core/result.h"
 
 namespace dpl {

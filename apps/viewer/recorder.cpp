@@ -6,7 +6,7 @@
 #include <cstdio>
 #include <numbers>
 
-#include "reconstruction/image/image_codec.h"
+#include "reconstruction/base/image_codec.h"
 #include "sdk/core/files.h"
 
 namespace dpl {

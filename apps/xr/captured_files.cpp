@@ -6,7 +6,7 @@
 #include <cstring>
 #include <nlohmann/json.hpp>
 
-#include "reconstruction/image/image_codec.h"
+#include "reconstruction/base/image_codec.h"
 #include "sdk/core/files.h"
 #include "sdk/math/half.h"
 #include "sdk/math/srgb.h"

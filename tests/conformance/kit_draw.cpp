@@ -3,8 +3,8 @@
 
 #include <nlohmann/json.hpp>
 
-#include "reconstruction/image/image_codec.h"
-#include "reconstruction/report/sdk_camera.h"
+#include "reconstruction/base/image_codec.h"
+#include "reconstruction/judging/report/sdk_camera.h"
 #include "sdk/core/files.h"
 
 namespace dpl {

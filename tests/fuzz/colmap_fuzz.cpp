@@ -7,7 +7,7 @@
 #include <cstdio>
 #include <cstdlib>
 
-#include "reconstruction/cameras/colmap_model.h"
+#include "reconstruction/input/cameras/colmap_model.h"
 #include "tests/fuzz/memory_watch.h"
 
 namespace {

@@ -7,13 +7,13 @@
 #include <nlohmann/json.hpp>
 #include <string_view>
 
-#include "reconstruction/body/npz.h"
-#include "reconstruction/capture/image_file.h"
-#include "reconstruction/capture/scan_paths.h"
-#include "reconstruction/import/calibration.h"
-#include "reconstruction/import/exif.h"
-#include "reconstruction/import/neuman.h"
-#include "reconstruction/import/readers.h"
+#include "reconstruction/base/image_file.h"
+#include "reconstruction/base/npz.h"
+#include "reconstruction/input/capture/scan_readers.h"
+#include "reconstruction/input/import/calibration.h"
+#include "reconstruction/input/import/exif.h"
+#include "reconstruction/input/import/neuman.h"
+#include "reconstruction/input/import/readers.h"
 #include "tests/fuzz/memory_watch.h"
 
 namespace {

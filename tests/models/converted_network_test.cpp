@@ -7,7 +7,7 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
-#include "reconstruction/capture/onnx_net.h"
+#include "reconstruction/input/observe/onnx_net.h"
 
 namespace dpl {
 namespace {

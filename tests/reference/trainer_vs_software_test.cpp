@@ -4,8 +4,8 @@
 
 #include <doppel/doppel.hpp>
 
-#include "reconstruction/report/sdk_camera.h"
-#include "reconstruction/splat/frame_pass.h"
+#include "reconstruction/judging/report/sdk_camera.h"
+#include "reconstruction/training/trainer/frame_pass.h"
 #include "sdk/format/avatar_file.h"
 #include "tests/reference/image_compare.h"
 #include "tests/reference/random_avatar.h"

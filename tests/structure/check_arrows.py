@@ -20,16 +20,31 @@ SDK = {
 }
 RULES = dict(SDK)
 RULES["platform"] = []
-RULES["reconstruction"] = ["sdk/core", "sdk/math", "sdk/format", "sdk/avatar", "sdk/splat", "reconstruction"]
+# The wings of reconstruction and their rooms, from below: a room includes rooms of the wings before its own, and the rooms before it there.
+WINGS = {
+    "base": [],
+    "input": ["cameras", "capture", "observe", "import"],
+    "subject": ["shape", "body", "surface", "registration", "garments", "sample"],
+    "training": ["correctives", "trainer"],
+    "output": ["package", "dress"],
+    "judging": ["coach", "report", "evidence", "ladder"],
+    "run": [],
+}
+BELOW = ["sdk/core", "sdk/math", "sdk/format", "sdk/avatar", "sdk/splat"]
+for wing, rooms in WINGS.items():
+    for place, name in enumerate(rooms):
+        RULES[f"reconstruction/{wing}/{name}"] = BELOW + [f"reconstruction/{wing}/{earlier}" for earlier in rooms[:place]]
+    RULES[f"reconstruction/{wing}"] = list(BELOW)
+    BELOW = BELOW + [f"reconstruction/{wing}"]
 RULES["apps"] = ["apps", "platform", "reconstruction", "sdk/core", "sdk/math"]
 # The referee judges the fast code, so of that it may include only data types and file readers.
 RULES["apps/reference"] = ["sdk/core", "sdk/format", "sdk/avatar/rig.h", "sdk/math/camera.h"]
-RULES["apps/xr"] = ["apps/xr", "apps/shared", "platform", "reconstruction/image", "sdk/core", "sdk/math"]
-RULES["apps/shared"] = ["reconstruction/cameras", "reconstruction/report", "sdk/core", "sdk/math"]
-RULES["apps/bench"] = ["apps/shared", "apps/reference", "reconstruction/package", "reconstruction/pipeline", "reconstruction/report", "sdk/core", "sdk/math"]
+RULES["apps/xr"] = ["apps/xr", "apps/shared", "platform", "reconstruction/base", "sdk/core", "sdk/math"]
+RULES["apps/shared"] = ["reconstruction/base", "reconstruction/judging/report", "sdk/core", "sdk/math"]
+RULES["apps/bench"] = ["apps/shared", "apps/reference", "reconstruction/output/package", "reconstruction/run", "reconstruction/judging/report", "sdk/core", "sdk/math"]
 RULES["tools"] = ["sdk", "shaders", "tools", "reconstruction", "apps/bench", "apps/shared", "apps/reference"]
 # Public headers are included as <doppel/...>; a room not named here must not know them.
-PUBLIC_USERS = ("sdk/api", "sdk/include", "sdk/backend/metal", "platform", "apps", "reconstruction/report", "tests", "tools")
+PUBLIC_USERS = ("sdk/api", "sdk/include", "sdk/backend/metal", "platform", "apps", "reconstruction/judging/report", "tests", "tools")
 THIRD_PARTY = {  # heavy libraries stay in their rooms
     "opencv2": ("reconstruction", "apps", "tests", "tools"),
     "ceres": ("reconstruction", "tests"),

@@ -16,8 +16,8 @@
 #include <string>
 
 #include "apps/viewer/room_plan.h"
-#include "reconstruction/image/image_codec.h"
-#include "reconstruction/report/sdk_camera.h"
+#include "reconstruction/base/image_codec.h"
+#include "reconstruction/judging/report/sdk_camera.h"
 #include "sdk/core/files.h"
 #include "sdk/format/avatar_file.h"
 #include "tests/package/tiny_avatar.h"

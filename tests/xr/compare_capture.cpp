@@ -12,8 +12,8 @@
 #include <nlohmann/json.hpp>
 
 #include "apps/shared/pictures.h"
-#include "reconstruction/image/image_codec.h"
-#include "reconstruction/package/avatar_bytes.h"
+#include "reconstruction/base/image_codec.h"
+#include "reconstruction/output/package/avatar_bytes.h"
 #include "sdk/core/files.h"
 #include "tests/reference/composition.h"
 

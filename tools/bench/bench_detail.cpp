@@ -17,7 +17,7 @@
 #include <vector>
 
 #include "apps/bench/json_row.h"
-#include "reconstruction/image/image_codec.h"
+#include "reconstruction/base/image_codec.h"
 #include "sdk/avatar/humanoid.h"
 #include "sdk/avatar/pose_correctives.h"
 #include "sdk/core/files.h"

@@ -18,7 +18,7 @@
 #include <string>
 
 #include "apps/bench/json_row.h"
-#include "reconstruction/package/sh_palette.h"
+#include "reconstruction/output/package/sh_palette.h"
 #include "sdk/core/files.h"
 #include "sdk/format/avatar_file.h"
 #include "sdk/math/sh.h"

@@ -6,9 +6,9 @@
 #include <cstdio>
 #include <map>
 
-#include "reconstruction/body/body_tools.h"
-#include "reconstruction/pipeline/fit_file.h"
-#include "reconstruction/pipeline/stages.h"
+#include "reconstruction/run/fit_file.h"
+#include "reconstruction/run/stages.h"
+#include "reconstruction/subject/body/body_tools.h"
 #include "sdk/core/files.h"
 
 namespace dpl {

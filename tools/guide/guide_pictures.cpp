@@ -9,9 +9,9 @@
 #include <functional>
 #include <vector>
 
-#include "reconstruction/image/image_codec.h"
-#include "reconstruction/sample/raycast.h"
-#include "reconstruction/sample/skeleton.h"
+#include "reconstruction/base/image_codec.h"
+#include "reconstruction/subject/sample/raycast.h"
+#include "reconstruction/subject/sample/skeleton.h"
 #include "sdk/core/files.h"
 
 namespace {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Gradients of the losses against central differences of the same losses written in double precision.
-#include "reconstruction/splat/losses.h"
+#include "reconstruction/training/trainer/losses.h"
 
 #include <random>
 

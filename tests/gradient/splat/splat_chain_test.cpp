@@ -2,7 +2,7 @@
 // backwardSplat and finishTriangle in double against central differences of the projection of one splat, one test per branch.
 #include <random>
 
-#include "reconstruction/splat/backward_chain.h"
+#include "reconstruction/training/trainer/backward_chain.h"
 #include "tests/gradient/splat/finite_difference.h"
 #include "tests/unit/splat/bound_forward.h"
 

@@ -3,8 +3,8 @@
 #include <array>
 #include <random>
 
-#include "reconstruction/splat/backward_correctives.h"
-#include "reconstruction/splat/backward_splats.h"
+#include "reconstruction/training/trainer/backward_correctives.h"
+#include "reconstruction/training/trainer/backward_splats.h"
 #include "sdk/avatar/posed_mesh.h"
 #include "tests/gradient/splat/double_scene.h"
 #include "tests/gradient/splat/finite_difference.h"

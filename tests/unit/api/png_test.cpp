@@ -8,7 +8,7 @@
 #include <filesystem>
 #include <random>
 
-#include "reconstruction/image/image_codec.h"
+#include "reconstruction/base/image_codec.h"
 #include "sdk/core/files.h"
 #include "sdk/include/doppel/doppel_png.h"
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "reconstruction/body/body_io.h"
+#include "reconstruction/subject/body/body_io.h"
 
 #include <gtest/gtest.h>
 

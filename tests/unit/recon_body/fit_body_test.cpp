@@ -1,16 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 // The body fit on a synthetic subject of known shape and motion, with noisy keypoints, gaps and outliers.
-#include "reconstruction/body/fit_body.h"
+#include "reconstruction/subject/body/fit_body.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <random>
 
-#include "reconstruction/body/body_truth.h"
-#include "reconstruction/body/keypoint_chain.h"
-#include "reconstruction/body/landmark_offsets.h"
-#include "reconstruction/body/swapped_sides.h"
+#include "reconstruction/subject/body/body_truth.h"
+#include "reconstruction/subject/body/keypoint_chain.h"
+#include "reconstruction/subject/body/landmark_offsets.h"
+#include "reconstruction/subject/body/swapped_sides.h"
 #include "small_body.h"
 
 namespace dpl {

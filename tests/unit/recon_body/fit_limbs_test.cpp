@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "reconstruction/body/fit_limbs.h"
+#include "reconstruction/subject/body/fit_limbs.h"
 
 #include <gtest/gtest.h>
 
 #include <limits>
 #include <random>
 
-#include "reconstruction/priors.h"
+#include "reconstruction/subject/body/priors.h"
 
 namespace dpl::test {
 namespace {

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "reconstruction/body/keypoint_chain.h"
+#include "reconstruction/subject/body/keypoint_chain.h"
 
 #include <gtest/gtest.h>
 
 #include <random>
 
-#include "reconstruction/body/body_truth.h"
-#include "reconstruction/body/pose_prior.h"
+#include "reconstruction/subject/body/body_truth.h"
+#include "reconstruction/subject/body/pose_prior.h"
 #include "sdk/avatar/rig.h"
 #include "small_body.h"
 

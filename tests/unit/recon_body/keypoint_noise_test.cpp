@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "reconstruction/body/keypoint_noise.h"
+#include "reconstruction/subject/body/keypoint_noise.h"
 
 #include <gtest/gtest.h>
 

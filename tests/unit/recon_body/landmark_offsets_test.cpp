@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "reconstruction/body/landmark_offsets.h"
+#include "reconstruction/subject/body/landmark_offsets.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <random>
 
-#include "reconstruction/body/fit_costs.h"
+#include "reconstruction/subject/body/fit_costs.h"
 #include "small_body.h"
 
 namespace dpl {

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "reconstruction/body/makehuman.h"
+#include "reconstruction/subject/body/makehuman.h"
 
 #include <gtest/gtest.h>
 
-#include "reconstruction/body/body_io.h"
-#include "reconstruction/body/body_tools.h"
+#include "reconstruction/subject/body/body_io.h"
+#include "reconstruction/subject/body/body_tools.h"
 #include "tests/unit/shared_data.h"
 
 namespace dpl {

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "reconstruction/body/rest_shoulders.h"
+#include "reconstruction/subject/body/rest_shoulders.h"
 
 #include <gtest/gtest.h>
 
 #include <random>
 
-#include "reconstruction/body/body_truth.h"
+#include "reconstruction/subject/body/body_truth.h"
 #include "sdk/math/skinning.h"
 #include "small_body.h"
 

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "reconstruction/body/body_tools.h"
+#include "reconstruction/subject/body/body_tools.h"
 #include "sdk/avatar/humanoid.h"
 
 namespace dpl {

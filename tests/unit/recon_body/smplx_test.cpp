@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 // The SMPL-X importer on a synthetic .npz: a column of joints with a few vertices each. No real SMPL-X file is used.
-#include "reconstruction/body/smplx.h"
+#include "reconstruction/subject/body/smplx.h"
 
 #include <gtest/gtest.h>
 
 #include <cstring>
 #include <fstream>
 
-#include "reconstruction/body/body_tools.h"
-#include "reconstruction/body/npz.h"
+#include "reconstruction/base/npz.h"
+#include "reconstruction/subject/body/body_tools.h"
 #include "sdk/core/writer.h"
 #include "tests/unit/made_zip.h"
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "reconstruction/body/solver_log.h"
+#include "reconstruction/subject/body/solver_log.h"
 
 #include <ceres/ceres.h>
 #include <gtest/gtest.h>

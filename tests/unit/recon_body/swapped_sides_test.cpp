@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "reconstruction/body/swapped_sides.h"
+#include "reconstruction/subject/body/swapped_sides.h"
 
 #include <gtest/gtest.h>
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Cameras of two worlds are brought together, whatever the worlds, and their errors are what was put in.
-#include "reconstruction/cameras/align_cameras.h"
+#include "reconstruction/input/cameras/align_cameras.h"
 
 #include <gtest/gtest.h>
 

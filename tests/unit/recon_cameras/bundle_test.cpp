@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 // Disturbed cameras come back, whatever their matches; scenes that say too little are refused or stay as they are.
-#include "reconstruction/cameras/bundle.h"
+#include "reconstruction/input/cameras/bundle.h"
 
 #include <ceres/autodiff_cost_function.h>
 #include <ceres/gradient_checker.h>
 #include <ceres/manifold.h>
 #include <gtest/gtest.h>
 
-#include "reconstruction/cameras/align_cameras.h"
-#include "reconstruction/cameras/bundle_cost.h"
+#include "reconstruction/input/cameras/align_cameras.h"
+#include "reconstruction/input/cameras/bundle_cost.h"
 #include "sdk/core/percentile.h"
 #include "tests/unit/recon_cameras/made_cameras.h"
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "reconstruction/cameras/camera_check.h"
+#include "reconstruction/input/cameras/camera_check.h"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,7 @@
 #include <functional>
 #include <limits>
 
-#include "reconstruction/cameras/camera_convention.h"
+#include "reconstruction/input/cameras/camera_convention.h"
 
 namespace dpl {
 namespace {

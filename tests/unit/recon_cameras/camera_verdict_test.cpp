@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The verdict says which part to film again, and why.
-#include "reconstruction/cameras/camera_verdict.h"
+#include "reconstruction/input/cameras/camera_verdict.h"
 
 #include <gtest/gtest.h>
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // COLMAP models, text and binary: the same cameras from both, every truncation refused.
-#include "reconstruction/cameras/colmap_model.h"
+#include "reconstruction/input/cameras/colmap_model.h"
 
 #include <gtest/gtest.h>
 #include <unistd.h>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // COLMAP is called as its manual says, its answers are read, and its failures become sentences. A script stands in for COLMAP, so these
 // tests need none; tools/prove-cameras runs the real one.
-#include "reconstruction/cameras/colmap_run.h"
+#include "reconstruction/input/cameras/colmap_run.h"
 
 #include <gtest/gtest.h>
 #include <unistd.h>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Features lie where the picture has them, in Doppel's pixels, and pictures of one texture match.
-#include "reconstruction/cameras/features.h"
+#include "reconstruction/input/cameras/features.h"
 
 #include <gtest/gtest.h>
 

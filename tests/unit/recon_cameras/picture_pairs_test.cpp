@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Neighbours are matched, loops are closed, and the number of pairs grows with the number of pictures.
-#include "reconstruction/cameras/picture_pairs.h"
+#include "reconstruction/input/cameras/picture_pairs.h"
 
 #include <gtest/gtest.h>
 

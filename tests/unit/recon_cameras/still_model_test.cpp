@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // Matches become points, and pictures are placed on them. Features are made up: each point has a descriptor of its own, and some lie.
-#include "reconstruction/cameras/still_model.h"
+#include "reconstruction/input/cameras/still_model.h"
 
 #include <gtest/gtest.h>
 
-#include "reconstruction/cameras/align_cameras.h"
+#include "reconstruction/input/cameras/align_cameras.h"
 #include "tests/unit/recon_cameras/made_cameras.h"
 
 namespace dpl {

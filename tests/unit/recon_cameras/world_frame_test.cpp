@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // A world of any scale and axes is turned into metres, +Y up, with the subject at the origin facing +Z.
-#include "reconstruction/cameras/world_frame.h"
+#include "reconstruction/input/cameras/world_frame.h"
 
 #include <gtest/gtest.h>
 

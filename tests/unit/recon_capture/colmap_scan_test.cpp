@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // A COLMAP model as a camera source of a scan: images, optional masks, arbitrary gauge.
-#include "reconstruction/capture/scan.h"
+#include "reconstruction/input/capture/scan.h"
 #include "tests/unit/recon_capture/scan_builder.h"
 
 namespace dpl {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The focal length that keypoints tell, against cameras whose focal length is known.
-#include "reconstruction/capture/focal_check.h"
+#include "reconstruction/input/capture/focal_check.h"
 
 #include <gtest/gtest.h>
 

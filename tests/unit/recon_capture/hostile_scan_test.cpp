@@ -2,7 +2,7 @@
 // Broken scan folders: each is refused with a sentence that names the file or frame and what to do.
 #include <functional>
 
-#include "reconstruction/capture/scan.h"
+#include "reconstruction/input/capture/scan.h"
 #include "tests/unit/recon_capture/scan_builder.h"
 
 namespace dpl {

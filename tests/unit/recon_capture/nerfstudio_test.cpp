@@ -2,8 +2,8 @@
 // nerfstudio's transforms.json as a camera source.
 #include <functional>
 
-#include "reconstruction/capture/scan.h"
-#include "reconstruction/capture/scan_check.h"
+#include "reconstruction/input/capture/scan.h"
+#include "reconstruction/input/capture/scan_check.h"
 #include "tests/unit/recon_capture/scan_builder.h"
 #include "tests/unit/shared_data.h"
 

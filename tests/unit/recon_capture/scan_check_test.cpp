@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // The ingest check: good scans pass, each kind of damage has its finding, and unusable scans are refused.
-#include "reconstruction/capture/scan_check.h"
+#include "reconstruction/input/capture/scan_check.h"
 
 #include <algorithm>
 #include <functional>
 
-#include "reconstruction/capture/silhouettes.h"
+#include "reconstruction/input/capture/silhouettes.h"
 #include "tests/unit/recon_capture/scan_builder.h"
 #include "tests/unit/shared_data.h"
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Good scan folders: axes, splits, optional files, pixels and keypoints.
-#include "reconstruction/capture/scan.h"
+#include "reconstruction/input/capture/scan.h"
 
 #include <algorithm>
 

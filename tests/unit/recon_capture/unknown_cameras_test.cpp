@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Scan folders whose frames have no camera are read only by those who ask for them.
-#include "reconstruction/capture/scan.h"
+#include "reconstruction/input/capture/scan.h"
 #include "tests/unit/recon_capture/scan_builder.h"
 
 namespace dpl {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "reconstruction/capture/validation.h"
+#include "reconstruction/input/capture/validation.h"
 
 #include <gtest/gtest.h>
 

@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "reconstruction/coach/body_map.h"
+#include "reconstruction/judging/coach/body_map.h"
 
 #include <cmath>
 #include <numbers>
 
 #include <gtest/gtest.h>
 
-#include "reconstruction/coach/map_pictures.h"
-#include "reconstruction/image/image_codec.h"
-#include "reconstruction/surface/orbit_camera.h"
+#include "reconstruction/base/image_codec.h"
+#include "reconstruction/judging/coach/map_pictures.h"
+#include "reconstruction/subject/surface/orbit_camera.h"
 #include "tests/unit/must.h"
 
 namespace dpl {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "reconstruction/coach/edge_blur.h"
+#include "reconstruction/judging/coach/edge_blur.h"
 
 #include <cmath>
 

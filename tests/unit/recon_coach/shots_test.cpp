@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The coach on the procedural subject, filmed well but for one thing: that thing comes first.
-#include "reconstruction/coach/shots.h"
+#include "reconstruction/judging/coach/shots.h"
 
 #include <cmath>
 #include <memory>
@@ -9,10 +9,10 @@
 #include <gtest/gtest.h>
 #include <opencv2/imgproc.hpp>
 
-#include "reconstruction/body/fit_body.h"
-#include "reconstruction/coach/imagined_shots.h"
-#include "reconstruction/sample/raycast.h"
-#include "reconstruction/sample/scan_plan.h"
+#include "reconstruction/judging/coach/imagined_shots.h"
+#include "reconstruction/subject/body/fit_body.h"
+#include "reconstruction/subject/sample/raycast.h"
+#include "reconstruction/subject/sample/scan_plan.h"
 #include "tests/unit/must.h"
 
 namespace dpl {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Garments of one procedural person on another: fitted, outside the body, with their splats, and no holes in the skin.
-#include "reconstruction/dress/dress.h"
+#include "reconstruction/output/dress/dress.h"
 
 #include <algorithm>
 #include <cmath>
@@ -9,11 +9,11 @@
 
 #include <gtest/gtest.h>
 
-#include "reconstruction/dress/layer_part.h"
-#include "reconstruction/garments/garment_cover.h"
-#include "reconstruction/package/sh_palette.h"
-#include "reconstruction/sample/subject.h"
-#include "reconstruction/shape/closest_surface.h"
+#include "reconstruction/output/dress/layer_part.h"
+#include "reconstruction/output/package/sh_palette.h"
+#include "reconstruction/subject/garments/garment_cover.h"
+#include "reconstruction/subject/sample/subject.h"
+#include "reconstruction/subject/shape/closest_surface.h"
 #include "sdk/core/files.h"
 #include "sdk/format/avatar_file.h"
 #include "sdk/math/sh.h"

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Open half spheres as garments on a sphere as the body: pushed out of it and to the right side of each other, and still smooth.
-#include "reconstruction/dress/refit.h"
+#include "reconstruction/output/dress/refit.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "reconstruction/dress/splat_fill.h"
+#include "reconstruction/output/dress/splat_fill.h"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "reconstruction/garments/cloth_faults.h"
+#include "reconstruction/subject/garments/cloth_faults.h"
 
 #include <cmath>
 

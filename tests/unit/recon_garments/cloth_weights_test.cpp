@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "reconstruction/garments/cloth_weights.h"
+#include "reconstruction/subject/garments/cloth_weights.h"
 
 #include <cmath>
 
 #include <gtest/gtest.h>
 
-#include "reconstruction/garments/resting_hands.h"
-#include "reconstruction/shape/closest_surface.h"
+#include "reconstruction/subject/garments/resting_hands.h"
+#include "reconstruction/subject/shape/closest_surface.h"
 #include "sdk/avatar/rig.h"
 #include "sdk/math/skinning.h"
 #include "tests/unit/must.h"

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // A modelled person in a top and a skirt, drawn into masks and labels: the layers must be those clothes.
-#include "reconstruction/garments/clothed_mesh.h"
+#include "reconstruction/subject/garments/clothed_mesh.h"
 
 #include <cmath>
 #include <limits>
@@ -11,7 +11,7 @@
 #include <gtest/gtest.h>
 
 #include "modelled_person.h"
-#include "reconstruction/shape/closest_surface.h"
+#include "reconstruction/subject/shape/closest_surface.h"
 
 namespace dpl {
 namespace {

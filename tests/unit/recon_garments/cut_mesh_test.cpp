@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "reconstruction/garments/cut_mesh.h"
+#include "reconstruction/subject/garments/cut_mesh.h"
 
 #include <cmath>
 #include <map>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "reconstruction/garments/label_field.h"
+#include "reconstruction/subject/garments/label_field.h"
 
 #include <algorithm>
 

@@ -8,9 +8,9 @@
 #include <vector>
 
 #include "capsule.h"
-#include "reconstruction/garments/still_views.h"
-#include "reconstruction/shape/implicit_mesh.h"
-#include "reconstruction/surface/mesh_raster.h"
+#include "reconstruction/subject/garments/still_views.h"
+#include "reconstruction/subject/shape/implicit_mesh.h"
+#include "reconstruction/subject/surface/mesh_raster.h"
 #include "sdk/avatar/rig.h"
 
 namespace dpl {

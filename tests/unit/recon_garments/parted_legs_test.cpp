@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // Trousers whose legs touch in the still pose, and a skirt as wide: one hull for both, told apart by what moving pictures show.
-#include "reconstruction/garments/parted_legs.h"
+#include "reconstruction/subject/garments/parted_legs.h"
 
 #include <gtest/gtest.h>
 
 #include "modelled_person.h"
-#include "reconstruction/garments/clothed_mesh.h"
-#include "reconstruction/garments/leg_gap.h"
+#include "reconstruction/subject/garments/clothed_mesh.h"
+#include "reconstruction/subject/garments/leg_gap.h"
 
 namespace dpl {
 namespace {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // A person whose left hand rests on the hip, and one surface around trunk and arm, as the hull makes it.
-#include "reconstruction/garments/resting_hands.h"
+#include "reconstruction/subject/garments/resting_hands.h"
 
 #include <algorithm>
 #include <array>

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "reconstruction/garments/tuck_body.h"
+#include "reconstruction/subject/garments/tuck_body.h"
 
 #include <gtest/gtest.h>
 
-#include "reconstruction/garments/cloth_faults.h"
-#include "reconstruction/priors.h"
+#include "reconstruction/subject/garments/cloth_faults.h"
+#include "reconstruction/subject/garments/priors.h"
 #include "tests/unit/ball_mesh.h"
 
 namespace dpl::test {

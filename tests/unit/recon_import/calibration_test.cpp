@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Calibrations of fixed cameras: axes, units, and the data of a real recording.
-#include "reconstruction/import/calibration.h"
+#include "reconstruction/input/import/calibration.h"
 
 #include "tests/unit/recon_import/made_captures.h"
 #include "tests/unit/shared_data.h"

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // EXIF orientation and focal length, in both byte orders, and from damaged data.
-#include "reconstruction/import/exif.h"
+#include "reconstruction/input/import/exif.h"
 
 #include "tests/unit/recon_import/made_captures.h"
 

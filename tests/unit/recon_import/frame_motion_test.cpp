@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Which frames of a video are chosen, and where a video is split, from made motion and from made pictures.
-#include "reconstruction/import/frame_motion.h"
+#include "reconstruction/input/import/frame_motion.h"
 
 #include <gtest/gtest.h>
 

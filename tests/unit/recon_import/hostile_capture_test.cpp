@@ -2,9 +2,9 @@
 // Damaged and hostile files of scanner apps: every one is refused by a sentence that names the file.
 #include <functional>
 
-#include "reconstruction/capture/zip_file.h"
-#include "reconstruction/import/import.h"
-#include "reconstruction/import/readers.h"
+#include "reconstruction/base/zip_file.h"
+#include "reconstruction/input/import/import.h"
+#include "reconstruction/input/import/readers.h"
 #include "tests/unit/made_zip.h"
 #include "tests/unit/recon_import/made_captures.h"
 

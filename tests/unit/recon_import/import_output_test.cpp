@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Where an import writes: to the end of a link, and one import at a time.
-#include "reconstruction/import/import.h"
+#include "reconstruction/input/import/import.h"
 #include "tests/unit/must.h"
 #include "tests/unit/recon_import/made_captures.h"
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Every layout is recognised and becomes a scan folder whose camera sees a known point where the picture shows it.
-#include "reconstruction/import/layout.h"
+#include "reconstruction/input/import/layout.h"
 
-#include "reconstruction/import/import.h"
+#include "reconstruction/input/import/import.h"
 #include "tests/unit/made_zip.h"
 #include "tests/unit/recon_import/made_captures.h"
 #include "tests/unit/shared_data.h"

@@ -4,8 +4,8 @@
 
 #include <cmath>
 
-#include "reconstruction/capture/scan.h"
-#include "reconstruction/image/image_codec.h"
+#include "reconstruction/base/image_codec.h"
+#include "reconstruction/input/capture/scan.h"
 #include "sdk/core/files.h"
 #include "tests/unit/recon_capture/scan_builder.h"
 

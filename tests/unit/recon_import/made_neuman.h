@@ -6,8 +6,8 @@
 #include <cstdio>
 #include <string_view>
 
-#include "reconstruction/image/image_codec.h"
-#include "reconstruction/sample/scan_writer.h"
+#include "reconstruction/base/image_codec.h"
+#include "reconstruction/subject/sample/scan_writer.h"
 #include "tests/unit/must.h"
 #include "tests/unit/recon_import/made_captures.h"
 

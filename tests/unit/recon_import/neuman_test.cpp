@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // A subject of the NeuMan layout becomes a scan with the published split. The folder is made of the procedural subject.
-#include "reconstruction/import/neuman.h"
+#include "reconstruction/input/import/neuman.h"
 
-#include "reconstruction/import/import.h"
-#include "reconstruction/import/layout.h"
+#include "reconstruction/input/import/import.h"
+#include "reconstruction/input/import/layout.h"
 #include "tests/unit/recon_import/made_neuman.h"
 
 namespace dpl {

@@ -2,9 +2,9 @@
 // What is recognised in a folder or file, and what people are told of the rest.
 #include <unistd.h>
 
-#include "reconstruction/import/folder_contents.h"
-#include "reconstruction/import/import.h"
-#include "reconstruction/import/layout.h"
+#include "reconstruction/input/import/folder_contents.h"
+#include "reconstruction/input/import/import.h"
+#include "reconstruction/input/import/layout.h"
 #include "tests/unit/must.h"
 #include "tests/unit/recon_import/made_captures.h"
 

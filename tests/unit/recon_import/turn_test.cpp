@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Pictures and cameras turn together.
-#include "reconstruction/import/turn.h"
+#include "reconstruction/input/import/turn.h"
 
 #include "tests/unit/recon_import/made_captures.h"
 

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 // Videos that ffmpeg makes here: rotation, variable frame rate, 10-bit HDR, damage, and files that only pretend to be videos.
-#include "reconstruction/import/video.h"
+#include "reconstruction/input/import/video.h"
 
 #include <chrono>
 #include <thread>
 
-#include "reconstruction/cameras/program.h"
-#include "reconstruction/import/folder_contents.h"
-#include "reconstruction/import/import.h"
+#include "reconstruction/base/program.h"
+#include "reconstruction/input/import/folder_contents.h"
+#include "reconstruction/input/import/import.h"
 #include "tests/unit/recon_import/made_captures.h"
 #include "tests/unit/shared_data.h"
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "reconstruction/ladder/carried_points.h"
+#include "reconstruction/judging/ladder/carried_points.h"
 
 #include <gtest/gtest.h>
 

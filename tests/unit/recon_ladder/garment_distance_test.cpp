@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "reconstruction/ladder/garment_distance.h"
+#include "reconstruction/judging/ladder/garment_distance.h"
 
 #include <gtest/gtest.h>
 

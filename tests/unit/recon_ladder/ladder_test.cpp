@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "reconstruction/ladder/ladder.h"
+#include "reconstruction/judging/ladder/ladder.h"
 
 #include <gtest/gtest.h>
 
-#include "reconstruction/report/score.h"
+#include "reconstruction/judging/report/score.h"
 #include "sdk/avatar/posed_mesh.h"
 #include "tests/unit/recon_ladder/toy_truth.h"
 

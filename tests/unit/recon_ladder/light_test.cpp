@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "reconstruction/ladder/light.h"
+#include "reconstruction/judging/ladder/light.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 
-#include "reconstruction/report/score.h"
+#include "reconstruction/judging/report/score.h"
 
 namespace dpl::test {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "reconstruction/ladder/rig_fit.h"
+#include "reconstruction/judging/ladder/rig_fit.h"
 
 #include <gtest/gtest.h>
 

@@ -3,7 +3,7 @@
 #pragma once
 
 #include "sdk/core/writer.h"
-#include "tests/unit/recon_pipeline/toy_reconstruction.h"
+#include "tests/unit/recon_run/toy_reconstruction.h"
 
 namespace dpl::test {
 

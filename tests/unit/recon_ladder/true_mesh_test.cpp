@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "reconstruction/ladder/true_mesh.h"
+#include "reconstruction/judging/ladder/true_mesh.h"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "reconstruction/package/inspect.h"
+#include "reconstruction/output/package/inspect.h"
 
 #include <gtest/gtest.h>
 #include <unistd.h>

@@ -5,9 +5,9 @@
 #include <cmath>
 #include <set>
 
-#include "reconstruction/package/pack.h"
-#include "reconstruction/package/pack_pictures.h"
-#include "reconstruction/package/sh_palette.h"
+#include "reconstruction/output/package/pack.h"
+#include "reconstruction/output/package/pack_pictures.h"
+#include "reconstruction/output/package/sh_palette.h"
 #include "sdk/format/avatar_file.h"
 #include "sdk/math/sh.h"
 #include "tests/unit/format/sample_correctives.h"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "reconstruction/package/posed_splats.h"
+#include "reconstruction/output/package/posed_splats.h"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "reconstruction/package/poses_file.h"
+#include "reconstruction/output/package/poses_file.h"
 
 #include <gtest/gtest.h>
 #include <unistd.h>

@@ -5,10 +5,10 @@
 #include <cmath>
 #include <random>
 
-#include "reconstruction/body/body_tools.h"
-#include "reconstruction/body/body_truth.h"
-#include "reconstruction/registration/register_frames.h"
-#include "reconstruction/surface/mesh_raster.h"
+#include "reconstruction/subject/body/body_tools.h"
+#include "reconstruction/subject/body/body_truth.h"
+#include "reconstruction/subject/registration/register_frames.h"
+#include "reconstruction/subject/surface/mesh_raster.h"
 #include "sdk/avatar/rig.h"
 #include "tests/unit/recon_body/small_body.h"
 

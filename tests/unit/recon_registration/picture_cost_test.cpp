@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "reconstruction/registration/picture_cost.h"
+#include "reconstruction/subject/registration/picture_cost.h"
 
 #include <gtest/gtest.h>
 
-#include "reconstruction/registration/appearance.h"
+#include "reconstruction/subject/registration/appearance.h"
 #include "tests/unit/recon_registration/painted_scene.h"
 
 namespace dpl::test {

@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "reconstruction/registration/register_frames.h"
+#include "reconstruction/subject/registration/register_frames.h"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 
-#include "reconstruction/priors.h"
+#include "reconstruction/subject/body/priors.h"
+#include "reconstruction/subject/registration/priors.h"
 #include "tests/unit/recon_registration/painted_scene.h"
 
 namespace dpl::test {

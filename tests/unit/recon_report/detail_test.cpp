@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Correlation of fine detail: 1 for the same detail at any contrast, less for blur and shift, none for other detail.
-#include "reconstruction/report/detail.h"
+#include "reconstruction/judging/report/detail.h"
 
 #include <gtest/gtest.h>
 

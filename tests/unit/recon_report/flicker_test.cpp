@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "reconstruction/report/flicker.h"
+#include "reconstruction/judging/report/flicker.h"
 
 #include <gtest/gtest.h>
 

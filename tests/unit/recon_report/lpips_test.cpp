@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // LPIPS against its definition in double precision, with weights of our own: AlexNet's are not free to ship.
-#include "reconstruction/report/lpips.h"
+#include "reconstruction/judging/report/lpips.h"
 
 #include <gtest/gtest.h>
 #include <unistd.h>

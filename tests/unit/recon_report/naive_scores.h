@@ -5,7 +5,7 @@
 #include <cmath>
 #include <functional>
 
-#include "reconstruction/capture/scan.h"
+#include "reconstruction/input/capture/scan.h"
 
 namespace dpl::test {
 

@@ -5,7 +5,7 @@
 #include <nlohmann/json.hpp>
 #include <regex>
 
-#include "reconstruction/report/plain_words.h"
+#include "reconstruction/judging/report/plain_words.h"
 #include "tests/unit/recon_report/sample_report.h"
 
 namespace dpl::test {

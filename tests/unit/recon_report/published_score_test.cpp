@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "reconstruction/report/published_score.h"
+#include "reconstruction/judging/report/published_score.h"
 
 #include <gtest/gtest.h>
 

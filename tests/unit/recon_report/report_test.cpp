@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "reconstruction/report/report.h"
+#include "reconstruction/judging/report/report.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "reconstruction/image/image_codec.h"
-#include "reconstruction/report/provenance.h"
+#include "reconstruction/base/image_codec.h"
+#include "reconstruction/judging/report/provenance.h"
 
 namespace {
 

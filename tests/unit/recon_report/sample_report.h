@@ -2,9 +2,9 @@
 // Reports as runs make them, with every section filled by the longest words that runs write.
 #pragma once
 
-#include "reconstruction/image/image_codec.h"
-#include "reconstruction/report/provenance.h"
-#include "reconstruction/report/report.h"
+#include "reconstruction/base/image_codec.h"
+#include "reconstruction/judging/report/provenance.h"
+#include "reconstruction/judging/report/report.h"
 #include "tests/unit/must.h"
 
 namespace dpl::test {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "reconstruction/report/score.h"
+#include "reconstruction/judging/report/score.h"
 
 #include <gtest/gtest.h>
 

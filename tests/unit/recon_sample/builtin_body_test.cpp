@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The properties of the built-in body that builtin_body.h states.
-#include "reconstruction/sample/builtin_body.h"
+#include "reconstruction/subject/sample/builtin_body.h"
 
 #include <gtest/gtest.h>
 
@@ -8,8 +8,8 @@
 #include <map>
 #include <set>
 
-#include "reconstruction/sample/skeleton.h"
-#include "reconstruction/sample/skinning.h"
+#include "reconstruction/subject/sample/skeleton.h"
+#include "reconstruction/subject/sample/skinning.h"
 
 namespace dpl {
 namespace {

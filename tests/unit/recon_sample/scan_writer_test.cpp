@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Writes a small sample scan, reads it with the product's reader and checks it against its truth.
-#include "reconstruction/sample/scan_writer.h"
+#include "reconstruction/subject/sample/scan_writer.h"
 
 #include <gtest/gtest.h>
 #include <unistd.h>
@@ -12,7 +12,7 @@
 #include <opencv2/imgproc.hpp>
 #include <set>
 
-#include "reconstruction/capture/scan.h"
+#include "reconstruction/input/capture/scan.h"
 
 namespace dpl {
 namespace {

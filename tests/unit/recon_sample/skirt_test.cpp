@@ -2,8 +2,8 @@
 // The subject in a skirt: one tube about both legs, which spans them, swings farther than shorts and stays outside raised thighs.
 #include <gtest/gtest.h>
 
-#include "reconstruction/sample/skeleton.h"
-#include "reconstruction/shape/closest_surface.h"
+#include "reconstruction/subject/sample/skeleton.h"
+#include "reconstruction/subject/shape/closest_surface.h"
 #include "tests/unit/recon_sample/subjects.h"
 
 namespace dpl {

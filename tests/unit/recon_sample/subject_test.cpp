@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // The clothed subject: clothes lie outside the body, static frames are plain skinning, cloth slides and depends on earlier motion.
-#include "reconstruction/sample/subject.h"
+#include "reconstruction/subject/sample/subject.h"
 
 #include <gtest/gtest.h>
 
 #include <map>
 
-#include "reconstruction/sample/skeleton.h"
+#include "reconstruction/subject/sample/skeleton.h"
 #include "tests/unit/recon_sample/subjects.h"
 
 namespace dpl {

@@ -6,7 +6,7 @@
 
 #include <map>
 
-#include "reconstruction/sample/subject.h"
+#include "reconstruction/subject/sample/subject.h"
 
 namespace dpl {
 

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "reconstruction/shape/closest_surface.h"
+#include "reconstruction/subject/shape/closest_surface.h"
 
 #include <cmath>
 #include <random>
 
 #include <gtest/gtest.h>
 
-#include "reconstruction/shape/implicit_mesh.h"
+#include "reconstruction/subject/shape/implicit_mesh.h"
 
 namespace dpl {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "reconstruction/shape/large_steps.h"
+#include "reconstruction/subject/shape/large_steps.h"
 
 #include <gtest/gtest.h>
 

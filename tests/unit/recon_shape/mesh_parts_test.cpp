@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
 
-#include "reconstruction/shape/edge_uses.h"
-#include "reconstruction/shape/spread_place.h"
-#include "reconstruction/shape/vertex_sets.h"
+#include "reconstruction/subject/shape/edge_uses.h"
+#include "reconstruction/subject/shape/spread_place.h"
+#include "reconstruction/subject/shape/vertex_sets.h"
 
 namespace dpl {
 namespace {

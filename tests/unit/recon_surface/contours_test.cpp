@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "reconstruction/surface/contours.h"
+#include "reconstruction/subject/surface/contours.h"
 
 #include <cmath>
 

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 // The surface fit on a known subject: the posed, swaying mesh must take the shape in the masks, including a bump.
-#include "reconstruction/surface/fit_surface.h"
+#include "reconstruction/subject/surface/fit_surface.h"
 
 #include <cmath>
 #include <limits>
 
 #include <gtest/gtest.h>
 
-#include "reconstruction/surface/mesh_raster.h"
+#include "reconstruction/subject/surface/mesh_raster.h"
 
 namespace dpl {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "reconstruction/surface/mesh_raster.h"
+#include "reconstruction/subject/surface/mesh_raster.h"
 
 #include <gtest/gtest.h>
 

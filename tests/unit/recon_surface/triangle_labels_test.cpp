@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "reconstruction/surface/triangle_labels.h"
+#include "reconstruction/subject/surface/triangle_labels.h"
 
 #include <gtest/gtest.h>
 

@@ -5,7 +5,7 @@
 
 #include <numbers>
 
-#include "reconstruction/image/image_codec.h"
+#include "reconstruction/base/image_codec.h"
 #include "sdk/core/files.h"
 
 namespace {

@@ -5,7 +5,7 @@
 
 #include "apps/bench/bench.h"
 #include "apps/shared/checks.h"
-#include "reconstruction/pipeline/progress.h"
+#include "reconstruction/run/progress.h"
 #include "tools/bench/frames/frame_contestants.h"
 #include "tools/bench/frames/model_table.h"
 #include "tools/bench/frames/worth.h"

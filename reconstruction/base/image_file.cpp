@@ -1,0 +1,142 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "reconstruction/base/image_file.h"
+
+#include <algorithm>
+#include <cstring>
+#include <fstream>
+
+#include "reconstruction/base/image_size.h"
+
+namespace dpl {
+namespace {
+
+namespace fs = std::filesystem;
+using Bytes = std::span<const uint8_t>;
+
+constexpr uintmax_t kMaxFileBytes = 256u << 20;
+constexpr size_t kProbeBytes = 512u << 10;  // EXIF thumbnails and colour profiles may precede the size
+constexpr uint8_t kPngSignature[8] = {0x89, 'P', 'N', 'G', '\r', '\n', 0x1a, '\n'};
+
+uint32_t big16(Bytes b, size_t at) {
+    return uint32_t(b[at]) << 8 | b[at + 1];
+}
+uint32_t big32(Bytes b, size_t at) {
+    return big16(b, at) << 16 | big16(b, at + 2);
+}
+
+struct Walk {
+    ImageHeader header;
+    bool complete = false;  // the end marker was reached
+};
+
+/** Walks JPEG markers; after a start of scan it skips entropy-coded bytes up to the next marker that is neither stuffing nor a restart. */
+Walk walkJpeg(Bytes b, bool wholeFile) {
+    Walk walk;
+    size_t at = 2;
+    bool inScan = false;
+    while (at + 1 < b.size()) {
+        if (b[at] != 0xff) {
+            if (!inScan) return walk;
+            const void* next = std::memchr(b.data() + at, 0xff, b.size() - at);
+            if (!next) return walk;
+            at = size_t(static_cast<const uint8_t*>(next) - b.data());
+            continue;
+        }
+        const uint8_t marker = b[at + 1];
+        if (marker == 0xff) {
+            ++at;
+            continue;
+        }  // fill byte
+        if (marker == 0x00 || (marker >= 0xd0 && marker <= 0xd7) || marker == 0x01) {
+            at += 2;
+            continue;
+        }  // stuffing, restart
+        if (marker == 0xd9) {
+            walk.complete = true;
+            return walk;
+        }
+        if (at + 4 > b.size()) return walk;
+        const size_t length = big16(b, at + 2);
+        if (length < 2 || at + 2 + length > b.size()) return walk;
+        const bool frame = marker >= 0xc0 && marker <= 0xcf && marker != 0xc4 && marker != 0xc8 && marker != 0xcc;
+        if (frame && length >= 7) {
+            walk.header = {big16(b, at + 7), big16(b, at + 5)};
+            if (!wholeFile) return walk;
+        }
+        inScan = marker == 0xda;
+        at += 2 + length;
+    }
+    return walk;
+}
+
+Walk walkPng(Bytes b, bool wholeFile) {
+    Walk walk;
+    if (b.size() < 33 || std::memcmp(b.data() + 12, "IHDR", 4) != 0) return walk;
+    walk.header = {big32(b, 16), big32(b, 20)};
+    if (!wholeFile) return walk;
+    for (size_t at = 8; at + 12 <= b.size();) {
+        const size_t length = big32(b, at);
+        if (length > b.size() - at - 12) return walk;
+        if (std::memcmp(b.data() + at + 4, "IEND", 4) == 0) {
+            walk.complete = true;
+            return walk;
+        }
+        at += 12 + length;
+    }
+    return walk;
+}
+
+Result<Walk> walkImage(Bytes b, bool wholeFile, const fs::path& path) {
+    Walk walk;
+    if (b.size() >= 4 && b[0] == 0xff && b[1] == 0xd8)
+        walk = walkJpeg(b, wholeFile);
+    else if (b.size() >= 8 && std::memcmp(b.data(), kPngSignature, 8) == 0)
+        walk = walkPng(b, wholeFile);
+    else if (b.empty())
+        return fail(Code::CorruptData, "{}: the file is empty; copy it again", path.string());
+    else
+        return fail(Code::Unsupported, "{}: neither JPEG nor PNG; convert the image", path.string());
+    if (walk.header.widthPx == 0 || walk.header.heightPx == 0)
+        return fail(Code::CorruptData, "{}: damaged before its size could be read; copy the image again", path.string());
+    DPL_CHECK_OK(checkImageSize(walk.header.widthPx, walk.header.heightPx, path.string()));
+    return walk;
+}
+
+Result<std::vector<uint8_t>> readBytes(const fs::path& path, uintmax_t most) {
+    std::error_code error;
+    if (!fs::is_regular_file(path, error))
+        return fail(Code::NotFound, "{}: not found; restore the file or remove the frame", path.string());
+    const uintmax_t bytes = fs::file_size(path, error);
+    if (error) return fail(Code::Io, "{}: {}; check its permissions", path.string(), error.message());
+    if (bytes > kMaxFileBytes)
+        return fail(Code::Unsupported, "{}: {} bytes, at most 256 MiB are read; save it smaller", path.string(), bytes);
+    std::vector<uint8_t> data(size_t(std::min(bytes, most)));
+    std::ifstream in(path, std::ios::binary);
+    if (!data.empty() && !in.read(reinterpret_cast<char*>(data.data()), std::streamsize(data.size())))
+        return fail(Code::Io, "{}: cannot be read; check its permissions", path.string());
+    return data;
+}
+
+}  // namespace
+
+Result<ImageHeader> probeImage(const fs::path& path) {
+    DPL_TRY(auto bytes, readBytes(path, kProbeBytes));
+    DPL_TRY(const Walk walk, walkImage(bytes, false, path));
+    return walk.header;
+}
+
+Status checkCompleteImage(Bytes bytes, const fs::path& path) {
+    DPL_TRY(const Walk walk, walkImage(bytes, true, path));
+    if (!walk.complete)
+        return fail(Code::CorruptData, "{}: the file is truncated ({} bytes without an end); copy the image again", path.string(),
+                    bytes.size());
+    return {};
+}
+
+Result<std::vector<uint8_t>> readCompleteImage(const fs::path& path) {
+    DPL_TRY(auto bytes, readBytes(path, kMaxFileBytes));
+    DPL_CHECK_OK(checkCompleteImage(bytes, path));
+    return bytes;
+}
+
+}  // namespace dpl

@@ -1,0 +1,284 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "reconstruction/input/cameras/colmap_model.h"
+
+#include <algorithm>
+#include <array>
+#include <fstream>
+#include <map>
+
+#include "reconstruction/input/cameras/camera_convention.h"
+#include "sdk/core/numbers.h"
+#include "sdk/core/reader.h"
+
+namespace dpl {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr uintmax_t kMaxModelBytes = 1ull << 30;
+constexpr uint64_t kMaxEntries = 100000;
+constexpr size_t kMaxNameBytes = 1024;
+
+struct ColmapCamera {
+    Camerad camera;
+    LensDistortion lens;
+};
+using Cameras = std::map<uint32_t, ColmapCamera>;
+
+struct ModelKind {
+    int32_t id;
+    const char* name;
+    uint32_t parameterCount;
+};
+constexpr std::array kModels{ModelKind{0, "SIMPLE_PINHOLE", 3}, ModelKind{1, "PINHOLE", 4}, ModelKind{2, "SIMPLE_RADIAL", 4},
+                             ModelKind{3, "RADIAL", 5}, ModelKind{4, "OPENCV", 8}};
+
+Error unsupportedModel(const std::string& where, std::string_view model) {
+    return fail(Code::Unsupported,
+                "{}: camera model {} is not read; undistort the images with 'colmap image_undistorter', which writes PINHOLE cameras",
+                where, model);
+}
+
+Result<std::string> readWhole(const fs::path& path) {
+    std::error_code error;
+    const auto bytes = fs::file_size(path, error);
+    if (error || !fs::is_regular_file(path, error))
+        return fail(Code::NotFound, "{}: not found; export the COLMAP model again", path.string());
+    if (bytes > kMaxModelBytes)
+        return fail(Code::Unsupported, "{}: {} bytes, at most 1 GiB is read; export a model without points", path.string(), bytes);
+    std::ifstream in(path, std::ios::binary);
+    std::string text(bytes, '\0');
+    if (!in.read(text.data(), std::streamsize(bytes))) return fail(Code::Io, "{}: cannot be read; check its permissions", path.string());
+    return text;
+}
+
+/** Camera from parameters in COLMAP's order. */
+ColmapCamera makeCamera(int32_t model, uint64_t width, uint64_t height, std::span<const double> p) {
+    ColmapCamera c;
+    c.camera.widthPx = uint32_t(std::min<uint64_t>(width, UINT32_MAX));
+    c.camera.heightPx = uint32_t(std::min<uint64_t>(height, UINT32_MAX));
+    const bool single = model == 0 || model == 2 || model == 3;  // one focal length
+    c.camera.fx = p[0];
+    c.camera.fy = single ? p[0] : p[1];
+    c.camera.cx = p[single ? 1 : 2];
+    c.camera.cy = p[single ? 2 : 3];
+    if (model == 2) c.lens.k1 = p[3];
+    if (model == 3) c.lens.k1 = p[3], c.lens.k2 = p[4];
+    if (model == 4) c.lens = {p[4], p[5], p[6], p[7]};
+    return c;
+}
+
+Status addCamera(Cameras& cameras, uint32_t id, ColmapCamera camera, const std::string& file) {
+    const std::string where = formatText("{} camera {}", file, id);
+    Camerad probe = camera.camera;  // checks the intrinsics; the pose is still the identity
+    DPL_CHECK_OK(checkCamera(probe, where));
+    DPL_CHECK_OK(checkDistortion(camera.lens, camera.camera, where));
+    if (!cameras.emplace(id, camera).second) return fail(Code::CorruptData, "{} is listed twice; export the model again", where);
+    return {};
+}
+
+Status addImage(std::vector<ColmapImage>& images, const Cameras& cameras, std::string name, uint32_t cameraId,
+                const std::array<double, 4>& q, const Vec3d& t, const std::string& file) {
+    const std::string where = formatText("{} image '{}'", file, name);
+    if (name.empty() || name.size() > kMaxNameBytes)
+        return fail(Code::CorruptData, "{}: an image has no usable name; export the model again", file);
+    const auto found = cameras.find(cameraId);
+    if (found == cameras.end())
+        return fail(Code::CorruptData, "{} uses camera {}, which the model does not list; export it again", where, cameraId);
+    ColmapImage image{std::move(name), found->second.camera, found->second.lens};
+    setColmapPose(image.camera, q, t);
+    DPL_CHECK_OK(checkCamera(image.camera, where));
+    images.push_back(std::move(image));
+    if (images.size() > kMaxEntries) return fail(Code::Unsupported, "{}: more than {} images; split the model", file, kMaxEntries);
+    return {};
+}
+
+// ── text ────────────────────────────────────────────────────────────────────────────────────────────────────────────────────────
+
+struct Lines {
+    std::string_view rest;
+    bool next(std::string_view& line) {
+        if (rest.empty()) return false;
+        const size_t end = rest.find('\n');
+        line = rest.substr(0, end);
+        rest = end == std::string_view::npos ? std::string_view{} : rest.substr(end + 1);
+        if (!line.empty() && line.back() == '\r') line.remove_suffix(1);
+        return true;
+    }
+};
+
+std::string_view nextWord(std::string_view& line) {
+    const size_t begin = std::min(line.find_first_not_of(" \t"), line.size());
+    const size_t end = std::min(line.find_first_of(" \t", begin), line.size());
+    const auto word = line.substr(begin, end - begin);
+    line.remove_prefix(end);
+    return word;
+}
+
+template <class T>
+bool parse(std::string_view& line, T& value) {
+    return readNumber(nextWord(line), value);
+}
+
+Result<Cameras> readCamerasText(const fs::path& path, std::string_view text) {
+    Cameras cameras;
+    Lines lines{text};
+    std::string_view line;
+    for (size_t number = 1; lines.next(line); ++number) {
+        if (line.find_first_not_of(" \t") == std::string_view::npos || line.front() == '#') continue;
+        const std::string where = formatText("{} line {}", path.string(), number);
+        uint32_t id = 0;
+        uint64_t width = 0, height = 0;
+        if (!parse(line, id)) return fail(Code::CorruptData, "{}: a camera number is expected; export the model again", where);
+        const auto name = nextWord(line);
+        const auto* kind = std::find_if(kModels.begin(), kModels.end(), [&](const ModelKind& k) { return name == k.name; });
+        if (kind == kModels.end()) return unsupportedModel(where, name);
+        std::array<double, 8> p{};
+        bool good = parse(line, width) && parse(line, height);
+        for (uint32_t i = 0; i < kind->parameterCount; ++i) good = good && parse(line, p[i]);
+        if (!good || !nextWord(line).empty())
+            return fail(Code::CorruptData, "{}: {} wants width, height and {} numbers; export the model again", where, name,
+                        kind->parameterCount);
+        DPL_CHECK_OK(addCamera(cameras, id, makeCamera(kind->id, width, height, p), path.string()));
+    }
+    return cameras;
+}
+
+Result<std::vector<ColmapImage>> readImagesText(const fs::path& path, std::string_view text, const Cameras& cameras) {
+    std::vector<ColmapImage> images;
+    Lines lines{text};
+    std::string_view line;
+    for (size_t number = 1; lines.next(line); ++number) {
+        if (line.empty() || line.front() == '#') continue;
+        uint32_t id = 0, cameraId = 0;
+        std::array<double, 4> q{};
+        Vec3d t{0};
+        bool good = parse(line, id) && parse(line, q[0]) && parse(line, q[1]) && parse(line, q[2]) && parse(line, q[3]);
+        good = good && parse(line, t.x) && parse(line, t.y) && parse(line, t.z) && parse(line, cameraId);
+        const size_t begin = line.find_first_not_of(" \t");
+        if (!good || begin == std::string_view::npos)
+            return fail(Code::CorruptData, "{} line {}: 'id qw qx qy qz tx ty tz camera name' is expected; export the model again",
+                        path.string(), number);
+        DPL_CHECK_OK(addImage(images, cameras, std::string(line.substr(begin)), cameraId, q, t, path.string()));
+        lines.next(line);  // skip the image's 2D points, one line that may be empty
+        ++number;
+    }
+    return images;
+}
+
+// ── binary ──────────────────────────────────────────────────────────────────────────────────────────────────────────────────────
+
+std::span<const uint8_t> bytesOf(std::string_view text) {
+    return {reinterpret_cast<const uint8_t*>(text.data()), text.size()};
+}
+
+Result<uint64_t> readCount(Reader& in, size_t entryBytes, const fs::path& path) {
+    DPL_TRY(const uint64_t count, in.value<uint64_t>());
+    if (count > kMaxEntries || count > in.remaining() / entryBytes)
+        return fail(Code::CorruptData, "{}: says {} entries, {} bytes are left; the file is cut or damaged, export the model again",
+                    path.string(), count, in.remaining());
+    return count;
+}
+
+Result<Cameras> readCamerasBinary(const fs::path& path, std::span<const uint8_t> bytes) {
+    Reader in(bytes);
+    Cameras cameras;
+    DPL_TRY(const uint64_t count, readCount(in, 24 + 3 * 8, path));
+    for (uint64_t i = 0; i < count; ++i) {
+        DPL_TRY(const uint32_t id, in.u32());
+        DPL_TRY(const int32_t model, in.value<int32_t>());
+        DPL_TRY(const uint64_t width, in.value<uint64_t>());
+        DPL_TRY(const uint64_t height, in.value<uint64_t>());
+        const auto* kind = std::find_if(kModels.begin(), kModels.end(), [&](const ModelKind& k) { return model == k.id; });
+        if (kind == kModels.end()) return unsupportedModel(formatText("{} camera {}", path.string(), id), formatText("number {}", model));
+        std::array<double, 8> p{};
+        for (uint32_t k = 0; k < kind->parameterCount; ++k) {
+            DPL_TRY(p[k], in.value<double>());
+        }
+        DPL_CHECK_OK(addCamera(cameras, id, makeCamera(model, width, height, p), path.string()));
+    }
+    return cameras;
+}
+
+Result<std::string> readName(Reader& in) {
+    std::string name;
+    for (;;) {
+        DPL_TRY(const char c, in.value<char>());
+        if (c == '\0') return name;
+        name.push_back(c);
+        if (name.size() > kMaxNameBytes) return fail(Code::CorruptData, "an image name is longer than {} bytes", kMaxNameBytes);
+    }
+}
+
+Result<std::vector<ColmapImage>> readImagesBinary(const fs::path& path, std::span<const uint8_t> bytes, const Cameras& cameras) {
+    Reader in(bytes);
+    std::vector<ColmapImage> images;
+    DPL_TRY(const uint64_t count, readCount(in, 4 + 7 * 8 + 4 + 1 + 8, path));
+    for (uint64_t i = 0; i < count; ++i) {
+        DPL_CHECK_OK(in.skip(4));  // image id
+        std::array<double, 7> pose{};
+        for (double& v : pose) {
+            DPL_TRY(v, in.value<double>());
+        }
+        DPL_TRY(const uint32_t cameraId, in.u32());
+        DPL_TRY(std::string name, readName(in));
+        DPL_TRY(const uint64_t points, in.value<uint64_t>());
+        if (points > in.remaining() / 24)
+            return fail(Code::CorruptData, "image '{}' says {} points, {} bytes are left", name, points, in.remaining());
+        DPL_CHECK_OK(in.skip(size_t(points) * 24));
+        DPL_CHECK_OK(addImage(images, cameras, std::move(name), cameraId, {pose[0], pose[1], pose[2], pose[3]}, {pose[4], pose[5], pose[6]},
+                              path.string()));
+    }
+    return images;
+}
+
+/** Adds file and remedy to an error of Reader, which only states offsets. */
+Error namingFile(const Error& error, const fs::path& path) {
+    if (error.message.find(path.string()) != std::string::npos) return error;
+    return fail(error.code, "{}: {}; the file is cut or damaged, export the model again", path.string(), error.message);
+}
+
+}  // namespace
+
+fs::path findColmapModel(const fs::path& root) {
+    std::error_code ignored;
+    for (const char* inside : {"sparse/0", "sparse", "colmap/sparse/0", "."}) {
+        const fs::path folder = root / inside;
+        for (const char* extension : {".bin", ".txt"})
+            if (fs::exists(folder / (std::string("cameras") + extension), ignored) &&
+                fs::exists(folder / (std::string("images") + extension), ignored))
+                return folder;
+    }
+    return {};
+}
+
+Result<std::vector<ColmapImage>> decodeColmapModel(const ColmapBytes& bytes, const fs::path& folder) {
+    std::vector<ColmapImage> images;
+    if (bytes.binary) {
+        const fs::path camerasPath = folder / "cameras.bin", imagesPath = folder / "images.bin";
+        auto cameras = readCamerasBinary(camerasPath, bytesOf(bytes.cameras));
+        if (!cameras) return namingFile(cameras.error(), camerasPath);
+        auto read = readImagesBinary(imagesPath, bytesOf(bytes.images), *cameras);
+        if (!read) return namingFile(read.error(), imagesPath);
+        images = std::move(*read);
+    } else {
+        DPL_TRY(const Cameras cameras, readCamerasText(folder / "cameras.txt", bytes.cameras));
+        DPL_TRY(images, readImagesText(folder / "images.txt", bytes.images, cameras));
+    }
+    if (images.empty())
+        return fail(Code::CorruptData, "{}: the model has no registered image; run COLMAP's mapper on more pictures", folder.string());
+    std::sort(images.begin(), images.end(), [](const ColmapImage& a, const ColmapImage& b) { return a.name < b.name; });
+    return images;
+}
+
+Result<std::vector<ColmapImage>> readColmapModel(const fs::path& folder) {
+    std::error_code ignored;
+    ColmapBytes bytes;
+    bytes.binary = fs::exists(folder / "images.bin", ignored);
+    DPL_TRY(const std::string cameras, readWhole(folder / (bytes.binary ? "cameras.bin" : "cameras.txt")));
+    DPL_TRY(const std::string images, readWhole(folder / (bytes.binary ? "images.bin" : "images.txt")));
+    bytes.cameras = cameras, bytes.images = images;
+    return decodeColmapModel(bytes, folder);
+}
+
+}  // namespace dpl

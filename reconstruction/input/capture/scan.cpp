@@ -1,0 +1,87 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <set>
+
+#include "reconstruction/base/image_file.h"
+#include "reconstruction/input/cameras/colmap_model.h"
+#include "reconstruction/input/capture/scan_readers.h"
+
+namespace dpl {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+Status checkSize(const fs::path& path, const Camerad& camera, const ScanFrame& frame) {
+    DPL_TRY(const ImageHeader header, probeImage(path));
+    if (header.widthPx != camera.widthPx || header.heightPx != camera.heightPx)
+        return fail(Code::CorruptData, "frame '{}': {} is {} x {} pixels, its camera says {} x {}; resize it or correct the intrinsics",
+                    frame.name, path.string(), header.widthPx, header.heightPx, camera.widthPx, camera.heightPx);
+    return {};
+}
+
+/** Holds out every tenth static full-body frame, starting with the sixth, so that the first picture of an orbit stays in training. */
+void holdOutFrames(Scan& scan) {
+    std::vector<ScanFrame*> full;
+    for (auto& frame : scan.frames)
+        if (frame.kind == FrameKind::StaticFull) full.push_back(&frame);
+    if (full.size() < 4) return;  // too few to hold one out
+    for (size_t i = std::min<size_t>(5, full.size() / 2); i < full.size(); i += 10) full[i]->split = Split::Test;
+}
+
+}  // namespace
+
+Status finishScan(Scan& scan) {
+    const std::string root = scan.root.string();
+    if (scan.frames.empty()) return fail(Code::CorruptData, "{}: the scan has no frame; add images", root);
+    if (scan.frames.size() > kMaxFrames)
+        return fail(Code::Unsupported, "{}: {} frames, at most {} are read; remove some frames from the scan", root, scan.frames.size(),
+                    kMaxFrames);
+    std::set<std::string> names;
+    std::set<fs::path> images;
+    for (auto& frame : scan.frames) {
+        if (!isSafeName(frame.name))
+            return fail(Code::CorruptData, "{}: '{}' cannot be a frame name; use letters, digits, '.', '_' and '-', at most 128", root,
+                        frame.name.substr(0, 200));
+        if (!names.insert(frame.name).second)
+            return fail(Code::CorruptData, "{}: the frame name '{}' is used twice; rename one", root, frame.name);
+        if (!images.insert(frame.imagePath).second)
+            return fail(Code::CorruptData, "{}: {} belongs to two frames; remove one of them", root, frame.imagePath.string());
+        DPL_CHECK_OK(checkSize(frame.imagePath, frame.camera, frame));
+        if (!frame.maskPath.empty()) DPL_CHECK_OK(checkSize(frame.maskPath, frame.camera, frame));
+        if (!frame.labelsPath.empty()) DPL_CHECK_OK(checkSize(frame.labelsPath, frame.camera, frame));
+    }
+    if (!scan.splitStated) holdOutFrames(scan);
+    return {};
+}
+
+namespace {
+
+Result<Scan> readAny(const fs::path& given) {
+    std::error_code error;
+    fs::path root = given, manifest;
+    if (fs::is_regular_file(given, error)) manifest = given, root = given.parent_path();  // `given` may be the manifest itself
+    if (!fs::is_directory(root.empty() ? "." : root, error))
+        return fail(Code::NotFound, "{}: no such folder; give the folder that holds scan.json, transforms.json or a COLMAP model",
+                    given.string());
+    root = fs::absolute(root, error).lexically_normal();
+    if (!root.has_filename()) root = root.parent_path();
+    const auto holds = [&](const char* name) { return manifest.empty() ? fs::exists(root / name, error) : manifest.filename() == name; };
+    if (holds("scan.json")) return readScanFolder(root / "scan.json");
+    if (holds("transforms.json")) return readNerfstudio(root / "transforms.json");
+    if (const fs::path above = colmapRoot(root); !above.empty() && manifest.empty()) return readColmapScan(above, findColmapModel(above));
+    return fail(Code::NotFound,
+                "{}: neither scan.json nor transforms.json nor a COLMAP model (sparse/0/cameras.bin) is there; see docs/formats/scan.md",
+                given.string());
+}
+
+}  // namespace
+
+Result<Scan> readScan(const fs::path& given, ScanCameras cameras) {
+    DPL_TRY(Scan scan, readAny(given));
+    if (!scan.camerasKnown && cameras == ScanCameras::Needed)
+        return fail(Code::InvalidArgument, "{}: no frame has a camera; 'doppel cameras' and 'doppel reconstruct' find them",
+                    given.string());
+    return scan;
+}
+
+}  // namespace dpl

@@ -1,0 +1,203 @@
+// SPDX-License-Identifier: Apache-2.0
+// Reads nerfstudio's transforms.json: OpenGL camera-to-world matrices, shared or per-frame intrinsics, optional masks and split lists.
+//
+// Many programs write such files: with y up (ARKit) or z up (Blender, nerfstudio), in metres or scaled to a box. So up and scale are
+// trusted only where the file states them, by "metric" and "world_up", or NeRFCapture wrote it.
+#include <array>
+#include <cmath>
+#include <map>
+
+#include "reconstruction/base/image_file.h"
+#include "reconstruction/input/cameras/camera_convention.h"
+#include "reconstruction/input/capture/scan_readers.h"
+
+namespace dpl {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+
+namespace {
+
+/** A field of the frame, or of the file when the frame has none: nerfstudio allows frames to override every intrinsic. */
+Result<double> eitherNumber(const JsonFields& frame, const JsonFields& file, const char* key, double otherwise) {
+    if (frame.has(key)) return frame.number(key);
+    return file.number(key, otherwise);
+}
+
+Result<fs::path> imageOf(const fs::path& root, const std::string& relative, const std::string& where) {
+    if (fs::path(relative).has_extension()) return fileInside(root, relative, where);
+    for (const char* extension : {".jpg", ".jpeg", ".png"}) {  // Blender's files omit the extension
+        std::error_code ignored;
+        if (fs::exists(root / (relative + extension), ignored)) return fileInside(root, relative + extension, where);
+    }
+    return fileInside(root, relative, where);
+}
+
+Status readIntrinsics(const JsonFields& frame, const JsonFields& file, const ImageHeader& header, Camerad& camera, LensDistortion& lens) {
+    DPL_TRY(const double width, eitherNumber(frame, file, "w", header.widthPx));
+    DPL_TRY(const double height, eitherNumber(frame, file, "h", header.heightPx));
+    if (!(width >= 1 && height >= 1 && width <= 65536 && height <= 65536))
+        return fail(Code::CorruptData, "{}: w, h = {}, {} is not a size in pixels; correct it", frame.where(), width, height);
+    camera.widthPx = uint32_t(width), camera.heightPx = uint32_t(height);
+    DPL_TRY(const double angleX, eitherNumber(frame, file, "camera_angle_x", 0));
+    const double fromAngle = angleX > 0 ? 0.5 * width / std::tan(0.5 * angleX) : 0;  // 0 is refused by checkCamera, which names fx
+    DPL_TRY(camera.fx, eitherNumber(frame, file, "fl_x", fromAngle));
+    DPL_TRY(camera.fy, eitherNumber(frame, file, "fl_y", camera.fx));
+    DPL_TRY(camera.cx, eitherNumber(frame, file, "cx", 0.5 * width));
+    DPL_TRY(camera.cy, eitherNumber(frame, file, "cy", 0.5 * height));
+    DPL_TRY(lens.k1, eitherNumber(frame, file, "k1", 0));
+    DPL_TRY(lens.k2, eitherNumber(frame, file, "k2", 0));
+    DPL_TRY(lens.p1, eitherNumber(frame, file, "p1", 0));
+    DPL_TRY(lens.p2, eitherNumber(frame, file, "p2", 0));
+    DPL_TRY(const double k3, eitherNumber(frame, file, "k3", 0));
+    DPL_TRY(const double k4, eitherNumber(frame, file, "k4", 0));
+    if (k3 != 0 || k4 != 0)
+        return fail(Code::Unsupported,
+                    "{}: distortion k3, k4 is not read; undistort the images first, for example with 'colmap image_undistorter'",
+                    frame.where());
+    return {};
+}
+
+Status readPose(const json& entry, const std::string& where, Camerad& camera) {
+    std::array<double, 16> m{};
+    const auto found = entry.find("transform_matrix");
+    bool good = found != entry.end() && found->is_array() && (found->size() == 4 || found->size() == 3);
+    for (size_t row = 0; good && row < found->size(); ++row) {
+        const json& numbers = (*found)[row];
+        good = numbers.is_array() && numbers.size() == 4;
+        for (size_t column = 0; good && column < 4; ++column) {
+            good = numbers[column].is_number();
+            if (good) m[row * 4 + column] = numbers[column].get<double>();
+        }
+    }
+    if (!good) return fail(Code::CorruptData, "{}: 'transform_matrix' must be 4 rows of 4 numbers; register the frame or remove it", where);
+    setOpenglPose(camera, m);
+    return {};
+}
+
+/** file_path -> split, from the three lists; empty when the file has no lists. Validation images count as test.
+ */
+Result<std::map<std::string, Split>> readSplits(const JsonFields& fields) {
+    std::map<std::string, Split> splits;
+    for (const auto& [key, split] :
+         {std::pair{"train_filenames", Split::Train}, {"val_filenames", Split::Test}, {"test_filenames", Split::Test}}) {
+        if (!fields.has(key)) continue;
+        DPL_TRY(const json* list, fields.array(key));
+        for (const json& name : *list) {
+            if (!name.is_string()) return fail(Code::CorruptData, "{}: '{}' must be a list of file paths; correct it", fields.where(), key);
+            const auto [at, fresh] = splits.emplace(name.get<std::string>(), split);
+            if (!fresh && at->second != split && at->second == Split::Train)
+                return fail(Code::CorruptData, "{}: '{}' is both in a train and a test list; keep it in one", fields.where(),
+                            at->first.substr(0, 200));
+        }
+    }
+    return splits;
+}
+
+/** What is known of the world. */
+struct NerfWorld {
+    bool zUp = false, metric = false, unitStated = true;
+    std::string assumed;
+};
+
+Result<NerfWorld> readWorld(const JsonFields& fields, char upIfUnstated) {
+    const bool upStated = fields.has("world_up"), metricStated = fields.has("metric");
+    DPL_TRY(const std::string up, fields.text("world_up", std::string(1, upIfUnstated)));
+    if (up != "y" && up != "z")
+        return fail(Code::Unsupported, "{}: world_up '{}' is neither y nor z; turn the world", fields.where(), up.substr(0, 60));
+    // NeRFCapture (Manifest.swift) alone has this key; instant-ngp's is integer_depth_scale. It writes ARKit's poses: metres, y up.
+    const bool nerfCapture = !upStated && fields.has("depth_integer_scale");
+    NerfWorld world;
+    world.zUp = up == "z" && !nerfCapture;
+    DPL_TRY(world.metric, fields.boolean("metric", nerfCapture));
+    if (world.metric && !upStated && !nerfCapture)
+        return fail(Code::CorruptData, "{}: 'metric' is true, but the file does not say which way is up; add \"world_up\": \"y\" or \"z\"",
+                    fields.where());
+    // Programs that scaled the world say by what, so it is not in metres.
+    world.unitStated = metricStated || nerfCapture || fields.has("applied_transform") || fields.has("applied_scale");
+    if (nerfCapture && !metricStated)
+        world.assumed = formatText("{} was written by NeRFCapture, so its world is in metres and y is up", fields.where());
+    else if (!metricStated)
+        world.assumed = formatText(
+            "{} does not say that its world is in metres: the body fit finds up and scale{}. If it is in metres, add \"metric\": true and "
+            "\"world_up\": \"y\" or \"z\"; if not, --height sets the scale",
+            fields.where(), world.unitStated ? "" : ", and takes it for metres if the person in it is then of a human size");
+    return world;
+}
+
+FrameKind kindFromName(const std::string& name) {
+    if (name.starts_with("close")) return FrameKind::StaticCloseup;
+    if (name.starts_with("dyn")) return FrameKind::Dynamic;
+    return FrameKind::StaticFull;
+}
+
+}  // namespace
+
+Result<Scan> parseNerfstudio(const json& manifest, const fs::path& manifestPath, const NerfstudioFiles& files, char up) {
+    const std::string file = manifestPath.string();
+    JsonFields fields(manifest, file);
+    DPL_TRY(const std::string model, fields.text("camera_model", "OPENCV"));
+    if (model != "PINHOLE" && model != "SIMPLE_PINHOLE" && model != "OPENCV" && model != "SIMPLE_RADIAL" && model != "RADIAL")
+        return fail(Code::Unsupported,
+                    "{}: camera_model '{}' is not read; undistort the images first, for example with 'colmap image_undistorter'", file,
+                    model.substr(0, 60));
+    DPL_TRY(NerfWorld world, readWorld(fields, up));
+    Scan scan;
+    scan.source = ScanSource::Nerfstudio;
+    scan.root = manifestPath.parent_path();
+    scan.name = scan.root.filename().string();
+    scan.metricWorld = world.metric;
+    scan.unitStated = world.unitStated;
+    scan.assumed = std::move(world.assumed);
+    DPL_TRY(auto splits, readSplits(fields));
+    scan.splitStated = !splits.empty();
+    DPL_TRY(const json* frames, fields.array("frames"));
+    if (frames->size() > kMaxFrames)
+        return fail(Code::Unsupported, "{}: {} frames, at most {} are read; remove some frames from the scan", file, frames->size(),
+                    kMaxFrames);
+    for (size_t i = 0; i < frames->size(); ++i) {
+        const json& entry = (*frames)[i];
+        const std::string where = formatText("{} frame {}", file, i);
+        if (!entry.is_object()) return fail(Code::CorruptData, "{} is not an object; correct it", where);
+        JsonFields fieldsHere(entry, where);
+        ScanFrame frame;
+        DPL_TRY(const std::string relative, fieldsHere.text("file_path"));
+        frame.name = nameFromPath(relative);
+        frame.kind = kindFromName(frame.name);
+        DPL_TRY(frame.imagePath, files.picture(relative, where + ": 'file_path'"));
+        if (fieldsHere.has("mask_path")) {
+            DPL_TRY(const std::string mask, fieldsHere.text("mask_path"));
+            DPL_TRY(frame.maskPath, files.mask(mask, where + ": 'mask_path'"));
+        }
+        DPL_TRY(const ImageHeader header, files.header(frame.imagePath));
+        DPL_CHECK_OK(readIntrinsics(fieldsHere, fields, header, frame.camera, frame.lens));
+        DPL_CHECK_OK(readPose(entry, where, frame.camera));
+        if (world.zUp) turnZUpWorld(frame.camera);
+        const std::string named = formatText("{} ('{}')", where, frame.name);
+        DPL_CHECK_OK(checkCamera(frame.camera, named));
+        DPL_CHECK_OK(checkDistortion(frame.lens, frame.camera, named));
+        if (scan.splitStated) {
+            const auto found = splits.find(relative);
+            if (found == splits.end())
+                return fail(Code::CorruptData, "{}: '{}' is in none of train_filenames, val_filenames, test_filenames; add it to one",
+                            where, relative.substr(0, 200));
+            frame.split = found->second;
+        }
+        scan.frames.push_back(std::move(frame));
+    }
+    return scan;
+}
+
+Result<Scan> readNerfstudio(const fs::path& manifestPath, char up) {
+    DPL_TRY(const json manifest, readJsonObject(manifestPath));
+    const fs::path root = manifestPath.parent_path();
+    NerfstudioFiles files;
+    files.picture = [&](const std::string& relative, const std::string& where) { return imageOf(root, relative, where); };
+    files.mask = [&](const std::string& relative, const std::string& where) { return fileInside(root, relative, where); };
+    files.header = probeImage;
+    DPL_TRY(Scan scan, parseNerfstudio(manifest, manifestPath, files, up));
+    DPL_CHECK_OK(finishScan(scan));
+    return scan;
+}
+
+}  // namespace dpl

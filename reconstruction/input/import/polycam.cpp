@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: Apache-2.0
+// Polycam's raw data, as exported in developer mode. Follows github.com/PolyCam/polyform (README, "Raw data") and its reader
+// polyform/core/capture_folder.py. Every keyframe has a JSON file with intrinsics in pixels and the first three rows of a camera-to-world
+// matrix t_00 … t_23. The world is ARKit's: metres, +Y up. Camera axes are OpenGL's. The corrected_ folders hold what Polycam's own
+// optimisation made of them and are read where they exist.
+#include <array>
+
+#include "reconstruction/input/cameras/camera_convention.h"
+#include "reconstruction/input/capture/scan_readers.h"
+#include "reconstruction/input/import/folder_contents.h"
+#include "reconstruction/input/import/readers.h"
+
+namespace dpl {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+
+Result<Camerad> parsePolycamCamera(const json& object, const std::string& where) {
+    const JsonFields fields(object, where);
+    DPL_TRY(const double width, fields.number("width"));
+    DPL_TRY(const double height, fields.number("height"));
+    if (!(width >= 1 && height >= 1 && width <= 65536 && height <= 65536))
+        return fail(Code::CorruptData, "{}: width, height = {}, {} is not a size in pixels; export the capture again", where, width,
+                    height);
+    Camerad camera;
+    camera.widthPx = uint32_t(width), camera.heightPx = uint32_t(height);
+    DPL_TRY(camera.fx, fields.number("fx"));
+    DPL_TRY(camera.fy, fields.number("fy"));
+    DPL_TRY(camera.cx, fields.number("cx"));
+    DPL_TRY(camera.cy, fields.number("cy"));
+    std::array<double, 16> pose{};
+    for (size_t row = 0; row < 3; ++row)
+        for (size_t column = 0; column < 4; ++column) {
+            const char key[] = {'t', '_', char('0' + row), char('0' + column), '\0'};
+            DPL_TRY(pose[row * 4 + column], fields.number(key));
+        }
+    setOpenglPose(camera, pose);
+    DPL_CHECK_OK(checkCamera(camera, where));
+    return camera;
+}
+
+Result<Capture> readPolycam(const fs::path& root) {
+    const fs::path keyframes = root / "keyframes";
+    std::error_code ignored;
+    const bool corrected =
+        fs::is_directory(keyframes / "corrected_cameras", ignored) && fs::is_directory(keyframes / "corrected_images", ignored);
+    const fs::path images = keyframes / (corrected ? "corrected_images" : "images");
+    const fs::path cameras = keyframes / (corrected ? "corrected_cameras" : "cameras");
+    Capture capture;
+    capture.what = corrected ? "Polycam raw data, corrected by Polycam" : "Polycam raw data, uncorrected";
+    size_t without = 0;
+    for (const fs::path& image : picturesIn(images)) {
+        const fs::path file = cameras / (image.stem().string() + ".json");
+        if (!fs::exists(file, ignored)) {
+            ++without;
+            continue;
+        }
+        if (capture.pictures.size() >= kMaxFrames)
+            return fail(Code::Unsupported, "{}: more than {} keyframes; remove some", images.string(), kMaxFrames);
+        DPL_TRY(const json object, readJsonObject(file));
+        CapturePicture picture;
+        picture.name = frameName(picture.kind, capture.pictures.size());
+        picture.image = image;
+        DPL_TRY(picture.camera, parsePolycamCamera(object, file.string()));
+        DPL_CHECK_OK(fitToPicture(*picture.camera, image, file.string()));
+        capture.pictures.push_back(std::move(picture));
+    }
+    if (capture.pictures.empty())
+        return fail(Code::CorruptData, "{}: no picture has a camera in {}; export the raw data again with Polycam's developer mode on",
+                    images.string(), cameras.string());
+    if (without > 0) capture.notes.push_back(formatText("{} pictures without a camera file are left out", without));
+    return capture;
+}
+
+}  // namespace dpl

@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: Apache-2.0
+// The readers of captures, one for each layout. docs/formats/captures.md says what each takes and which description it follows. Private to
+// reconstruction/input/import. Errors name the file and the remedy.
+#pragma once
+
+#include <nlohmann/json.hpp>
+
+#include "reconstruction/input/import/capture.h"
+
+namespace dpl {
+
+/** nerfstudio, NeRFCapture and COLMAP folders, by the readers of reconstruction/input/capture. */
+Result<Capture> readKnownScan(const std::filesystem::path& root);
+
+/** transforms_train.json and, where they exist, transforms_val.json and transforms_test.json. */
+Result<Capture> readNerfSynthetic(const std::filesystem::path& root);
+
+/** A subject of the NeuMan data set. */
+Result<Capture> readNeuman(const std::filesystem::path& root);
+
+/** `root` holds keyframes/. */
+Result<Capture> readPolycam(const std::filesystem::path& root);
+/** Camera of one keyframe, without its picture. */
+Result<Camerad> parsePolycamCamera(const nlohmann::json& object, const std::string& where);
+
+/** `root` holds metadata.json (or metadata) and rgb/ (or rgbd/). */
+Result<Capture> readRecord3d(const std::filesystem::path& root);
+/** An .r3d file, which is a zip. Its metadata and pictures are unpacked into `unpacked`, a folder that is made. */
+Result<Capture> readRecord3dFile(const std::filesystem::path& file, const std::filesystem::path& unpacked);
+/** Cameras of all frames of a recording. */
+struct Record3dFrames {
+    std::vector<Camerad> cameras;
+    double framesPerSecond = 0;  // 0: not stated
+};
+Result<Record3dFrames> parseRecord3d(const nlohmann::json& metadata, const std::string& where);
+
+/** Photos without cameras. */
+Result<Capture> readPhotos(const std::filesystem::path& folder, uint32_t longSidePx);
+
+/** Gives a camera the size of its stored picture: the same size, or the same shape and another size, for which it is scaled. */
+Status fitToPicture(Camerad& camera, const std::filesystem::path& image, const std::string& where);
+
+/** "full_0007". */
+std::string frameName(FrameKind kind, size_t index);
+
+}  // namespace dpl

@@ -1,0 +1,15 @@
+// SPDX-License-Identifier: Apache-2.0
+// Writes a capture as a scan folder (docs/formats/scan.md).
+#pragma once
+
+#include "reconstruction/input/import/capture.h"
+
+namespace dpl {
+
+/** Writes scan.json, images/ and masks/ into `folder`, which exists and is empty. Pictures are copied as they are, unless they must be
+ * turned upright or carry their mask in an alpha channel. Without cameras all pictures must have one size: those of other sizes than most
+ * are left out, and a note is added to `capture`. Errors name the picture and the remedy. */
+Status writeScan(Capture& capture, const std::string& name, double heightM, const std::filesystem::path& folder,
+                 const ImportProgress& progress);
+
+}  // namespace dpl

@@ -1,0 +1,120 @@
+// SPDX-License-Identifier: Apache-2.0
+// The report of one reconstruction: report.json for programs, a self-contained report.html for people.
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "reconstruction/judging/report/ladder_table.h"
+#include "reconstruction/judging/report/svg_plot.h"
+#include "sdk/core/result.h"
+#include "sdk/format/avatar_data.h"
+
+namespace dpl {
+
+/** Scores of one picture against its frame (docs/reference/metrics.md). Masked scores use only pixels inside the frame's mask. */
+struct FrameScore {
+    double maskedPsnrDb = 0;  // lowest over white, black and grey, with both pictures composited on it
+    double maskedSsim = 0;    // mean SSIM inside the mask, lowest over the same three
+    double alphaIou = 0;      // of the pixels ≥ 128 in the picture's alpha and in the mask
+    double fullPsnrDb = 0;    // whole frame over white, truth cut out by its mask, as in papers
+    double fullSsim = 0;      // as fullPsnrDb
+    double coverage = 0;      // share of the frame inside the mask; a small share raises full-frame scores
+};
+
+/** Scores and pictures of one held-out frame. */
+struct HeldOutFrame {
+    std::string name;
+    std::string kind;  // "static" (full body), "close-up" or "dynamic"
+    FrameScore withoutPoseFit, withPoseFit;
+    FrameScore labelFloor, meshFloor;  // baselines: one colour a label inside the frame's mask; posed mesh with vertex colours
+    std::vector<uint8_t> truthPng, renderPng, differencePng;  // for report.html; may be empty
+};
+
+struct StageCost {
+    std::string name;
+    double seconds = 0;
+    uint64_t peakBytes = 0;
+    bool reused = false;
+};
+
+/** The limit that a figure must keep. */
+struct ReportBar {
+    double value = 0;
+    bool atLeast = true;  // false: at most
+};
+
+/** A named figure with its unit, for tables ("keypoints mean", 12.3, "mm"). */
+struct ReportFigure {
+    std::string group, name, unit;
+    double value = 0;
+    std::optional<ReportBar> bar;
+};
+
+/** Whether the figure has a bar and meets it. NaN misses every bar. */
+bool meetsBar(const ReportFigure& figure);
+
+/** One row of the body map (docs/reference/body-map.md): medians over a place of the body; 0 when no picture shows it. */
+struct MapRow {
+    std::string place;
+    double pixelMm = 0, detailMm = 0, blurPx = 0, pictures = 0;
+    double unseenShare = 0;  // share of its area that no still training picture shows
+};
+
+/** What to film again, and the map that says so. */
+struct FilmAgainSection {
+    std::string advice;                 // one line of heading, then a numbered line each
+    std::vector<std::string> warnings;  // of the scan check, one sentence each
+    std::vector<MapRow> rows;
+    std::vector<std::vector<uint8_t>> pictures;  // PNG; may be empty
+};
+
+/** The picture of the person that opens the page. */
+struct Portrait {
+    std::vector<uint8_t> png;  // empty: none
+    std::string frame;         // whose camera drew it
+};
+
+/** How long the avatar was trained, for the sentence that tells a draft. 0: not known. */
+struct TrainingLength {
+    uint32_t steps = 0;
+    uint32_t standardSteps = 0;  // of the preset standard
+};
+
+struct ReportData {
+    std::string title;
+    Portrait portrait;
+    TrainingLength length;
+    FilmAgainSection filmAgain;
+    std::vector<std::pair<std::string, std::string>> facts;  // scan, body, preset, seed, ...
+    std::vector<std::string> provenance;                     // what the figures stand for, one sentence each (provenance.h)
+    std::string verdict;                                     // result of the scan check, several lines
+    std::vector<HeldOutFrame> frames;                        // held out
+    std::vector<HeldOutFrame> validation;                    // set aside for decisions, without pictures
+    std::vector<StageCost> stages;
+    std::vector<PlotSeries> lossCurves, psnrCurves;
+    std::vector<ReportFigure> figures;    // registration residuals, truth comparison, sizes
+    std::vector<ReportFigure> waterfall;  // dB lost by each stage, for scans with truth
+    std::optional<Ladder> ladder;         // of scans with a truth
+    std::vector<EvidenceData> evidence;
+};
+
+/** Mean over the frames of a kind; nullopt when there are none. */
+std::optional<FrameScore> meanScore(const std::vector<HeldOutFrame>& frames, const std::string& kind, FrameScore HeldOutFrame::*which);
+
+/** dB by which the avatar scores above the better of its two floors, one figure a kind of frame. The bar is 4 dB: below it the splats add
+ *  little to flat colours in the true outline or to a painted mesh. */
+std::vector<ReportFigure> floorFigures(const std::vector<HeldOutFrame>& frames);
+
+/** "5 of 6 bars met; missed: keypoints, mean 16.1 mm (bar: at most 15)". Empty without bars. Counts the bars of floorFigures too. */
+std::string barSummary(const ReportData& data);
+
+std::string reportJson(const ReportData& data);
+std::string reportHtml(const ReportData& data);
+
+/** Writes report.json and report.html into `folder`, each atomically. */
+Status writeReport(const ReportData& data, const std::filesystem::path& folder);
+
+}  // namespace dpl

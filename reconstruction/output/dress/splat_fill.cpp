@@ -1,0 +1,145 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "reconstruction/output/dress/splat_fill.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "reconstruction/subject/shape/spread_place.h"
+#include "reconstruction/training/trainer/init.h"
+#include "sdk/math/sh.h"
+
+namespace dpl {
+namespace {
+
+constexpr int kSmoothings = 60;      // of filled colours
+constexpr float kOpacity = 0.9f;     // of filled splats; they overlap
+constexpr float kSpacings = 0.8f;    // standard deviation of a filled splat over the spacing of splats
+constexpr double kWeakShare = 0.33;  // of the median coverage, below which a garment's triangle is filled
+
+double areaOf(const MeshData& mesh, size_t triangle) {
+    const Triangle& t = mesh.triangles[triangle];
+    const Vec3d a(mesh.restPositions[t.x]), b(mesh.restPositions[t.y]), c(mesh.restPositions[t.z]);
+    return 0.5 * glm::length(glm::cross(b - a, c - a));
+}
+
+/** Display colour of triangles from splats of trusted ones, spread to the others and smoothed there. splatsPerM2: of the trusted
+ *  ones; 0 if there are none. */
+struct SpreadColours {
+    std::vector<Vec3f> colour;
+    double splatsPerM2 = 0;
+};
+
+SpreadColours coloursAround(const LayerPart& part, const Marks& distrusted, const Neighbours& neighbours) {
+    const SplatData& s = part.splats;
+    std::vector<Vec4f> weighted(distrusted.size(), Vec4f(0));
+    double splats = 0, area = 0;
+    for (size_t t = 0; t < distrusted.size(); ++t) {
+        const uint32_t begin = s.triangleStart[t], end = s.triangleStart[t + 1];
+        if (distrusted[t] || begin == end) continue;
+        splats += end - begin, area += areaOf(part.mesh, t);
+        for (uint32_t i = begin; i < end; ++i) {
+            const float* sh = &s.sh[i * 3 * size_t(shCoefficientCount(s.shDegree))];
+            const Vec3f colour = glm::clamp(0.5f + float(kShC0) * Vec3f(sh[0], sh[1], sh[2]), 0.0f, 1.0f);
+            weighted[t] += s.opacity[i] * s.scaleM[i].x * s.scaleM[i].y * Vec4f(colour, 1.0f);
+        }
+    }
+    SpreadColours out{spreadColours(weighted, neighbours), area > 0 ? splats / area : 0};
+    for (int round = 0; round < kSmoothings; ++round) {
+        std::vector<Vec3f> next = out.colour;
+        for (size_t t = 0; t < distrusted.size(); ++t) {
+            if (!distrusted[t] || neighbours[t].empty()) continue;
+            Vec3f sum(0);
+            for (const uint32_t other : neighbours[t]) sum += out.colour[other];
+            next[t] = sum / float(neighbours[t].size());
+        }
+        out.colour = std::move(next);
+    }
+    return out;
+}
+
+/** Appends `count` splats of one colour to a triangle, at evenly spread places. */
+void fillTriangle(const Vec3f& colour, double area, uint32_t count, uint8_t flags, SplatData& splats) {
+    for (uint32_t k = 0; k < count; ++k) {
+        splats.uv.push_back(Vec2f(spreadPlace(1.0 / 3, k)));
+        splats.phi.push_back(0);
+        splats.scaleM.push_back(Vec2f(std::max(2e-4f, kSpacings * float(std::sqrt(area / count)))));
+        splats.opacity.push_back(kOpacity);
+        splats.flags.push_back(flags);
+        const size_t first = splats.sh.size();
+        splats.sh.resize(first + 3 * size_t(shCoefficientCount(splats.shDegree)), 0.0f);
+        for (int c = 0; c < 3; ++c) splats.sh[first + size_t(c)] = (colour[c] - 0.5f) / float(kShC0);
+    }
+}
+
+/** kSplatSingleFace where a triangle's splats show one side: as training set it, which knew hair and backs that show. Triangles without
+ *  splats take what the shape alone tells, and hair shows both sides. */
+Marks faceFlags(const LayerPart& part) {
+    const SplatData& s = part.splats;
+    Marks flags = part.role == "hair" ? Marks(part.mesh.triangles.size(), 0)
+                                      : triangleFlags(part.mesh.restPositions, part.mesh.triangles, {}, {}, {});
+    for (size_t t = 0; t < flags.size(); ++t)
+        if (s.triangleStart[t] < s.triangleStart[t + 1]) flags[t] = s.flags[s.triangleStart[t]] & kSplatSingleFace;
+    return flags;
+}
+
+void copySplats(const SplatData& from, size_t begin, size_t end, SplatData& to) {
+    const auto add = [&](auto& into, const auto& values, size_t width) {
+        into.insert(into.end(), values.begin() + long(begin * width), values.begin() + long(end * width));
+    };
+    add(to.uv, from.uv, 1), add(to.phi, from.phi, 1), add(to.scaleM, from.scaleM, 1), add(to.opacity, from.opacity, 1);
+    add(to.flags, from.flags, 1), add(to.sh, from.sh, 3 * size_t(shCoefficientCount(from.shDegree)));
+}
+
+}  // namespace
+
+uint32_t fillSplats(const Marks& fill, const Marks& empty, const Marks& distrusted, const Neighbours& neighbours, LayerPart& part) {
+    const SpreadColours around = coloursAround(part, distrusted, neighbours);
+    const Marks flags = faceFlags(part);
+    uint8_t kind = 0;  // cloth or not: as the part's other splats
+    for (const uint8_t flag : part.splats.flags) kind |= flag & kSplatCloth;
+    SplatData splats;
+    splats.shDegree = part.splats.shDegree;
+    splats.triangleStart = {0};
+    uint32_t filled = 0;
+    for (size_t t = 0; t < fill.size(); ++t) {
+        const double area = areaOf(part.mesh, t);
+        if (fill[t] && around.splatsPerM2 > 0 && area > 0) {
+            ++filled;
+            fillTriangle(around.colour[t], area, uint32_t(std::max(1.0, std::round(area * around.splatsPerM2))), uint8_t(flags[t] | kind),
+                         splats);
+            for (int k = 0; k < 3; ++k)
+                part.mesh.colours[part.mesh.triangles[t][k]] = glm::u8vec4(glm::u8vec3(glm::round(around.colour[t] * 255.0f)), 255);
+        } else if (!empty[t] && !fill[t]) {
+            copySplats(part.splats, part.splats.triangleStart[t], part.splats.triangleStart[t + 1], splats);
+        }
+        splats.triangleStart.push_back(splats.count());
+    }
+    part.splats = std::move(splats);
+    return filled;
+}
+
+uint32_t mendGarment(LayerPart& garment) {
+    const SplatData& s = garment.splats;
+    const size_t count = garment.mesh.triangles.size();
+    const Neighbours neighbours = triangleNeighbours(garment.mesh);
+    std::vector<double> mass(count, 0), area(count), coverage(count);
+    for (size_t t = 0; t < count; ++t) {
+        area[t] = areaOf(garment.mesh, t);
+        for (uint32_t i = s.triangleStart[t]; i < s.triangleStart[t + 1]; ++i)
+            mass[t] += 2 * std::numbers::pi * double(s.opacity[i] * s.scaleM[i].x * s.scaleM[i].y);
+    }
+    for (size_t t = 0; t < count; ++t) {  // over the neighbourhood, because splats reach across edges
+        double m = mass[t], a = area[t];
+        for (const uint32_t other : neighbours[t]) m += mass[other], a += area[other];
+        coverage[t] = a > 0 ? m / a : 0;
+    }
+    std::vector<double> sorted = coverage;
+    std::nth_element(sorted.begin(), sorted.begin() + long(count / 2), sorted.end());
+    const Marks inner = triangleFlags(garment.mesh.restPositions, garment.mesh.triangles, {}, {}, {});
+    Marks weak(count);  // not at hems, where cloth may end before its mesh
+    for (size_t t = 0; t < count; ++t) weak[t] = (inner[t] & kSplatSingleFace) && coverage[t] < kWeakShare * sorted[count / 2];
+    return fillSplats(weak, Marks(count, 0), weak, neighbours, garment);
+}
+
+}  // namespace dpl

@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "reconstruction/run/assemble_avatar.h"
+
+#include <algorithm>
+
+#include "reconstruction/output/package/sh_palette.h"
+#include "reconstruction/run/mesh_votes.h"
+#include "reconstruction/run/scan_motion.h"
+#include "reconstruction/subject/garments/stress_poses.h"
+#include "reconstruction/subject/garments/tuck_body.h"
+#include "reconstruction/training/trainer/init.h"
+#include "sdk/core/evenly_spaced.h"
+#include "sdk/core/log.h"
+
+namespace dpl {
+namespace {
+
+constexpr size_t kTuckedPoses = 64;  // of training, at most
+
+/** Clothes that sink into unseen skin in stress poses or in those of training stay outside it. */
+void tuckUnseenBody(AssembledAvatar& assembled, Jobs& jobs) {
+    AvatarData& avatar = assembled.avatar;
+    std::vector<Pose> poses = stressPoses(avatar.joints);
+    for (const Pose& pose : evenlySpaced(movingPoses(assembled.frames), kTuckedPoses)) poses.push_back(pose);
+    const TriangleSight sight = triangleSight(avatar.joints, avatar.mesh, assembled.triangleLabel, assembled.frames, jobs);
+    const size_t moved = tuckBody(avatar, sight.seen, poses, jobs);
+    log(LogLevel::Info, "{} vertices of unseen skin are taken in below clothes", moved);
+}
+
+}  // namespace
+
+nlohmann::json assembleInputs() {
+    return {
+        {"shPaletteEntries", kAvatarPalette.maxEntries}, {"shPaletteLevels", kAvatarPalette.maxRmsLevels}, {"tuckedPoses", kTuckedPoses}};
+}
+
+Result<AssembledAvatar> assembleAvatar(const std::vector<JointData>& joints, const ClothedMesh& clothed, const CoOptimiseResult& trained,
+                                       const Scan& scan, FrameSet set, Jobs& jobs) {
+    AssembledAvatar out;
+    out.frames = std::move(set.frames);
+    if (trained.poses.size() != out.frames.size())
+        return fail(Code::CorruptData, "the trained file has {} poses for {} frames; delete the co-optimise stage and run again",
+                    trained.poses.size(), out.frames.size());
+    for (size_t i = 0; i < out.frames.size(); ++i) out.frames[i].pose = trained.poses[i];
+
+    AvatarData& avatar = out.avatar;
+    avatar.name = scan.name;
+    avatar.generator = "doppel reconstruct";
+    avatar.joints = joints;
+    avatar.kappaPx2 = kTrainedKappaPx2;
+    avatar.trainedPixelM = trainedPixelM(avatar.joints, out.frames);
+    avatar.mesh = clothed.mesh;
+    out.triangleLabel = clothed.triangleLabel;
+    avatar.mesh.restPositions = trained.restPositions;
+    avatar.mesh.colours = gatherVertexColours(avatar.joints, avatar.mesh, out.frames, jobs);
+    avatar.splats = trained.splats;
+    avatar.correctives = trained.correctives;
+    avatar.clips = scanMotion(scan, set.indices, trained.poses);
+    sortSplats(avatar);
+    tuckUnseenBody(out, jobs);
+
+    const std::vector<Vec3f> trainedRest = avatar.mesh.restPositions;
+    DPL_TRY(AvatarData decoded, decodedAvatar(avatar));
+    avatar.mesh = decoded.mesh;  // the vertices that every reader decodes
+    DPL_TRY([[maybe_unused]] uint32_t unchanged, rebaseSplats(trainedRest, avatar));
+    DPL_TRY(avatar, decodedAvatar(avatar));
+    if (avatar.splats.shDegree > 0) {
+        DPL_TRY(const ShPaletteReport palette, paletteSh(avatar.splats, kAvatarPalette, jobs));
+        log(LogLevel::Info, "SH palette of {} entries, {} levels off", palette.entries, palette.rmsLevels);
+        DPL_TRY(const auto bytes, writeAvatar(avatar, kPackaged));
+        DPL_TRY(avatar, readAvatar(bytes));
+    }
+    return out;
+}
+
+}  // namespace dpl

@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "reconstruction/run/clothes_in_motion.h"
+
+#include <algorithm>
+#include <cstdio>
+#include <nlohmann/json.hpp>
+
+#include "reconstruction/output/package/avatar_bytes.h"
+#include "reconstruction/subject/garments/cloth_faults.h"
+#include "sdk/avatar/body_shape.h"
+#include "sdk/avatar/clip.h"
+#include "sdk/avatar/retarget.h"
+#include "sdk/core/files.h"
+
+namespace dpl {
+namespace {
+
+constexpr double kPosesPerSecond = 10;
+constexpr size_t kMostPoses = 200;
+
+}  // namespace
+
+Result<std::string> clothesInMotion(const std::filesystem::path& path, const std::filesystem::path& clipPath, bool json,
+                                    Progress& progress) {
+    DPL_TRY(const auto bytes, readAvatarBytes(path));
+    const auto inFile = [](const std::filesystem::path& file, const Error& e) { return fail(e.code, "{}: {}", file.string(), e.message); };
+    DPL_TRY(const AvatarData avatar, avatarOf(path, bytes, "clothes"));
+    DPL_TRY(const auto clipBytes, readFile(clipPath, uint64_t(512) << 20));
+    const auto motion = readMotion(clipBytes, clipPath.stem().string());
+    if (!motion) return inFile(clipPath, motion.error());
+    const BodyShape body = BodyShape::of(avatar.joints, avatar.mesh);  // arms give way, as in dplLoadClip
+    RetargetOptions played;
+    played.body = &body;
+    const auto clip = retarget(*motion, avatar.joints, played);
+    if (!clip) return inFile(clipPath, clip.error());
+    const double duration = clipDurationS(*clip);
+    const size_t count = std::clamp(size_t(duration * kPosesPerSecond) + 1, size_t(1), kMostPoses);
+    const auto timeOf = [&](size_t i) { return count > 1 ? duration * double(i) / double(count - 1) : 0; };
+    std::vector<Pose> poses;
+    for (size_t i = 0; i < count; ++i) poses.push_back(samplePose(*clip, avatar.joints, timeOf(i)));
+    Jobs jobs(0);
+    progress.beginStage("clothes in motion");
+    DPL_TRY(const ClothFaults faults, clothFaults(
+                                          avatar, poses,
+                                          [&](double share) {
+                                              progress.update(share, formatText("{} poses", count));
+                                              return !progress.cancelled();
+                                          },
+                                          jobs));
+    progress.endStage(formatText("{} poses", count));
+    if (json)
+        return nlohmann::ordered_json{{"clip", clipPath.string()},
+                                      {"poses", count},
+                                      {"garment_vertices_inside_body", faults.penetration},
+                                      {"worst_pose_s", timeOf(faults.worstPose)},
+                                      {"edges_stretched_over_2", faults.stretchedEdges},
+                                      {"longest_stretch", faults.longestStretch},
+                                      {"skin_in_garment_pixels", faults.skinPixels}}
+            .dump(1);
+    char text[400];
+    std::snprintf(text, sizeof text,
+                  "clothes in %s, %zu poses\n"
+                  "  garment vertices inside the body  %6.2f %%  (most at %.1f s)\n"
+                  "  edges stretched over 2 x          %6.3f %%  (longest %.1f x)\n"
+                  "  skin that shows through           %6.2f %% of the garments' pixels",
+                  clipPath.filename().c_str(), count, 100 * faults.penetration, timeOf(faults.worstPose), 100 * faults.stretchedEdges,
+                  faults.longestStretch, 100 * faults.skinPixels);
+    return std::string(text);
+}
+
+}  // namespace dpl

@@ -1,0 +1,17 @@
+// SPDX-License-Identifier: Apache-2.0
+// What goes wrong with the clothes of an avatar file that a motion file drives.
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+#include "reconstruction/run/progress.h"
+#include "sdk/core/result.h"
+
+namespace dpl {
+
+/** Poses the avatar ten times a second of the clip, at most 200 times, and measures clothFaults(). clip: a BVH or glTF file. Returns text
+ *  of a few lines, or a JSON object. Errors name the file; Cancelled. */
+Result<std::string> clothesInMotion(const std::filesystem::path& avatar, const std::filesystem::path& clip, bool json, Progress& progress);
+
+}  // namespace dpl

@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "reconstruction/run/detail_figures.h"
+
+#include <algorithm>
+
+#include "reconstruction/judging/report/detail.h"
+#include "reconstruction/judging/report/score.h"
+#include "reconstruction/run/fine_truth.h"
+
+namespace dpl {
+namespace {
+
+constexpr uint32_t kTimes = 2;
+
+/** Pixels of the fine picture whose label in the frame's own size is `value`. */
+std::vector<uint8_t> pixelsOf(const ImageGrey8& labels, uint8_t value) {
+    const uint32_t w = labels.widthPx * kTimes, h = labels.heightPx * kTimes;
+    std::vector<uint8_t> chosen(size_t(w) * h);
+    for (uint32_t y = 0; y < h; ++y)
+        for (uint32_t x = 0; x < w; ++x)
+            chosen[size_t(y) * w + x] = labels.pixels[size_t(y / kTimes) * labels.widthPx + x / kTimes] == value;
+    return chosen;
+}
+
+struct Mean {
+    double sum = 0;
+    size_t count = 0;
+    void add(std::optional<double> value) {
+        if (value) sum += *value, ++count;
+    }
+};
+
+}  // namespace
+
+Status addDetailFigures(const Scan& scan, Progress& progress, AvatarView& view, const FrameSet& heldOut, const PosesFile& poses,
+                        ReportData& data) {
+    for (const bool dynamic : {false, true}) {
+        Mean all;
+        std::vector<Mean> ofLabel(scan.labels.size());
+        for (size_t i = 0; i < heldOut.frames.size(); ++i) {
+            const TrainFrame& frame = heldOut.frames[i];
+            if ((frame.kind == FrameKind::Dynamic) != dynamic) continue;
+            if (progress.cancelled()) return fail(Code::Cancelled, "stopped");
+            const auto truth = fineTruth(scan.root, frame);
+            if (!truth) continue;
+            const Camerad camera = frame.camera.scaled(kTimes);
+            const auto expected = truth->widthPx == camera.widthPx && truth->heightPx == camera.heightPx
+                                      ? truth->rgba
+                                      : areaAveraged(truth->rgba, truth->widthPx, truth->heightPx, camera.widthPx, camera.heightPx);
+            const FramePose& found = poses.frames[heldOut.indices[i]];
+            DPL_TRY(const auto drawn, view.draw(found.fittedPose ? *found.fittedPose : found.pose, camera));
+            const auto score = [&](std::span<const uint8_t> chosen) {
+                return detailCorrelation(drawn, expected, camera.widthPx, camera.heightPx, chosen);
+            };
+            all.add(score({}));
+            const ImageGrey8& labels = frame.picture->labels;
+            if (labels.pixels.size() * kTimes * kTimes != size_t(camera.widthPx) * camera.heightPx) continue;
+            for (size_t l = 0; l < scan.labels.size(); ++l)
+                if (scan.labels[l].name != "background") ofLabel[l].add(score(pixelsOf(labels, scan.labels[l].value)));
+        }
+        if (all.count == 0) continue;
+        const std::string group = formatText("correlation of fine detail when drawn at x {}, held-out {} ({} frames with a finer truth)",
+                                             kTimes, dynamic ? "dynamic" : "static", all.count);
+        data.figures.push_back({group, "whole subject", "", all.sum / double(all.count)});
+        for (size_t l = 0; l < scan.labels.size(); ++l)
+            if (ofLabel[l].count > 0) data.figures.push_back({group, scan.labels[l].name, "", ofLabel[l].sum / double(ofLabel[l].count)});
+    }
+    return {};
+}
+
+}  // namespace dpl

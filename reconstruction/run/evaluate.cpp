@@ -1,0 +1,112 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "reconstruction/run/evaluate.h"
+
+#include <cstdio>
+
+#include "reconstruction/judging/ladder/ladder.h"
+#include "reconstruction/judging/report/plain_words.h"
+#include "reconstruction/judging/report/published_score.h"
+#include "reconstruction/output/package/avatar_bytes.h"
+#include "reconstruction/run/frame_scores.h"
+#include "reconstruction/run/portrait.h"
+#include "reconstruction/run/run_scan.h"
+
+namespace dpl {
+namespace {
+
+/** The scores of the held-out frames by the protocol that the scan states, as a line. Poses are those fitted to the frames. */
+Result<std::string> publishedLine(const Scan& scan, const FrameSet& heldOut, AvatarView& view, const PosesFile& poses, const Lpips* lpips,
+                                  const std::function<bool(double, const std::string&)>& tell) {
+    std::vector<PublishedScore> scores;
+    for (size_t i = 0; i < heldOut.frames.size(); ++i) {
+        const TrainFrame& frame = heldOut.frames[i];
+        if (!tell(double(i) / double(heldOut.frames.size()), frame.name + ", published protocol")) return fail(Code::Cancelled, "stopped");
+        const FramePose& found = poses.frames[heldOut.indices[i]];
+        DPL_TRY(const auto rgba, view.draw(found.fittedPose ? *found.fittedPose : found.pose, frame.camera));
+        auto score = scoreAsPublished(rgba, frame.picture->image, frame.picture->mask, lpips);
+        if (!score) return fail(score.error().code, "frame '{}': {}", frame.name, score.error().message);
+        scores.push_back(*score);
+    }
+    const auto mean = meanOf(scores);
+    if (!mean) return std::string();
+    char line[200];
+    std::snprintf(line, sizeof line, "\nprotocol %s, %zu held-out frames: PSNR %.2f dB, SSIM %.4f, LPIPS ", scan.protocol.c_str(),
+                  scores.size(), mean->psnrDb, mean->ssim);
+    std::string text = line;
+    if (!mean->lpips) return text + "needs weights (--lpips)";
+    std::snprintf(line, sizeof line, "%.4f", *mean->lpips);
+    return text + line;
+}
+
+}  // namespace
+
+Result<std::string> evaluateAvatar(const EvaluateOptions& options, Progress& progress) {
+    const std::filesystem::path posesPath = options.poses.empty() ? options.avatar.parent_path() / "poses.json" : options.poses;
+    DPL_TRY(const auto bytes, readAvatarBytes(options.avatar));
+    DPL_TRY(const AvatarData avatar, avatarOf(options.avatar, bytes, "poses"));
+    IngestedScan ingested;
+    DPL_TRY(RunScan shown, readRunScan(options.scan, posesPath));
+    ingested.scan = std::move(shown.scan);
+    const PosesFile& poses = shown.poses;
+    const std::vector<Camerad>& cameras = shown.cameras;
+    if (!options.lpips.empty() && ingested.scan.protocol.empty())
+        return fail(Code::InvalidArgument, "{} states no published protocol, so LPIPS has no use; leave --lpips out",
+                    options.scan.string());
+    std::optional<Lpips> lpips;
+    if (!options.lpips.empty()) {
+        DPL_TRY(lpips, Lpips::load(options.lpips));
+    }
+    ingested.usable.assign(ingested.scan.frames.size(), true);
+    if (poses.jointNames.size() != avatar.joints.size())
+        return fail(Code::InvalidArgument, "{} poses {} joints, the avatar has {}; name the poses.json of its reconstruction with --poses",
+                    posesPath.string(), poses.jointNames.size(), avatar.joints.size());
+    if (!options.out.empty()) {
+        std::error_code error;
+        std::filesystem::create_directories(options.out, error);
+        if (error) return fail(Code::Io, "cannot create {}: {}; choose another output with -o", options.out.string(), error.message());
+    }
+    std::vector<Pose> registered;
+    for (const FramePose& frame : poses.frames) registered.push_back(frame.pose);
+    Jobs jobs(options.threadCount);
+    Pictures pictures(ingested.scan);
+    const auto tell = [&](double share, const std::string& what) {
+        progress.update(share, what);
+        return !progress.cancelled();
+    };
+    ReportData data;
+    data.title = "Doppel: " + ingested.scan.name;
+    data.facts = {{"scan", ingested.scan.root.filename().string()}, {"avatar", options.avatar.string()}};
+    progress.beginStage("evaluate");
+    DPL_TRY(auto view, AvatarView::open(bytes, options.threadCount));
+    DPL_TRY(const LabelColours labelColours, gatherLabelColours(ingested, pictures));
+    for (const auto& [split, frames] : {std::pair{Split::Test, &data.frames}, {Split::Validation, &data.validation}}) {
+        DPL_TRY(const FrameSet set, framesOf(ingested, split, cameras, registered, pictures));
+        DPL_TRY(*frames, scoreFrames(labelColours, set, avatar, view, poses, split == Split::Test, jobs, tell));
+    }
+    if (data.frames.empty() && data.validation.empty())
+        return fail(Code::NotFound, "{} has no mask of a held-out or validation frame, and scores are taken inside masks; add their masks",
+                    options.scan.string());
+    std::string summary = scoreLines(data.frames, "held-out") + scoreLines(data.validation, "validation");
+    if (!ingested.scan.protocol.empty()) {
+        DPL_TRY(const FrameSet heldOut, framesOf(ingested, Split::Test, cameras, registered, pictures));
+        DPL_TRY(const std::string line, publishedLine(ingested.scan, heldOut, view, poses, lpips ? &*lpips : nullptr, tell));
+        summary += line;
+    }
+    if (!summary.empty()) summary.erase(0, 1);
+    if (options.ladder) {
+        DPL_TRY(data.ladder, measureLadder({ingested.scan, cameras, avatar, poses, tell}, jobs));
+        if (!data.ladder)
+            return fail(Code::NotFound, "{} has no truth (truth.json, geometry/), which the ladder needs; leave --ladder out",
+                        options.scan.string());
+        summary += "\n" + ladderText(*data.ladder);
+    }
+    summary += "\n\n" + verdictSentence(data);
+    progress.endStage(formatText("{} held-out frames", data.frames.size()));
+    if (options.out.empty()) return summary;
+    data.evidence = avatar.evidence;
+    DPL_TRY(data.portrait, drawPortrait(ingested.scan, cameras, poses, avatar, view, jobs));
+    DPL_CHECK_OK(writeReport(data, options.out));
+    return summary + formatText("\nOpen {} to see the avatar beside these pictures.", (options.out / "report.html").string());
+}
+
+}  // namespace dpl

@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "reconstruction/run/frame_scores.h"
+
+#include <cstdio>
+
+#include "reconstruction/base/image_codec.h"
+#include "sdk/avatar/posed_mesh.h"
+
+namespace dpl {
+
+Result<LabelColours> gatherLabelColours(const IngestedScan& ingested, Pictures& pictures) {
+    LabelColours colours;
+    for (size_t f = 0; f < ingested.scan.frames.size(); ++f) {
+        if (!isTrainingFrame(ingested, f) || ingested.scan.frames[f].kind == FrameKind::StaticCloseup) continue;
+        DPL_TRY(const auto picture, pictures.of(f));
+        colours.add(picture->image, picture->mask, picture->labels);
+    }
+    return colours;
+}
+
+Result<std::vector<HeldOutFrame>> scoreFrames(const LabelColours& labelColours, const FrameSet& set, const AvatarData& avatar,
+                                              AvatarView& view, const PosesFile& poses, bool withPictures, Jobs& jobs,
+                                              const std::function<bool(double, const std::string&)>& progress) {
+    const std::vector<RestTriangle<float>> bind = restTriangles(avatar.mesh);
+    PosedMesh posed;
+    std::vector<HeldOutFrame> scored;
+    for (size_t i = 0; i < set.frames.size(); ++i) {
+        const TrainFrame& frame = set.frames[i];
+        if (!progress(double(i) / double(set.frames.size()), frame.name)) return fail(Code::Cancelled, "stopped");
+        const ImageRgb8& image = frame.picture->image;
+        const ImageGrey8 &mask = frame.picture->mask, &labels = frame.picture->labels;
+        const FramePose& found = poses.frames[set.indices[i]];
+        const Pose& fitted = found.fittedPose ? *found.fittedPose : found.pose;
+        HeldOutFrame out;
+        out.name = frame.name;
+        out.kind = frame.kind == FrameKind::Dynamic ? "dynamic" : frame.kind == FrameKind::StaticCloseup ? "close-up" : "static";
+        DPL_TRY(auto plain, view.draw(found.pose, frame.camera));
+        DPL_TRY(auto best, view.draw(fitted, frame.camera));
+        out.withoutPoseFit = scorePicture(plain, image, mask);
+        out.withPoseFit = scorePicture(best, image, mask);
+        out.labelFloor = scorePicture(labelColours.paint(mask, labels), image, mask);
+        posed.pose({avatar.joints, avatar.mesh, avatar.correctives, bind}, fitted, jobs);
+        out.meshFloor = scorePicture(paintMesh(posed.positions(), avatar.mesh.triangles, avatar.mesh.colours, frame.camera), image, mask);
+        if (withPictures) {
+            const auto truth = overWhite(cutOut(image, mask)), shown = overWhite(best);
+            const uint32_t w = frame.camera.widthPx, h = frame.camera.heightPx;
+            DPL_TRY(out.truthPng, encodePng(truth, w, h, 3));
+            DPL_TRY(out.renderPng, encodePng(shown, w, h, 3));
+            DPL_TRY(out.differencePng, encodePng(differenceTimesFour(shown, truth), w, h, 3));
+        }
+        scored.push_back(std::move(out));
+    }
+    return scored;
+}
+
+std::string scoreLines(const std::vector<HeldOutFrame>& frames, const char* what) {
+    std::string text;
+    for (const char* kind : {"static", "close-up", "dynamic"})
+        if (auto mean = meanScore(frames, kind, &HeldOutFrame::withPoseFit)) {
+            char line[160];
+            std::snprintf(line, sizeof line, "\n%s %-8s  masked PSNR %.2f dB, alpha IoU %.4f, SSIM %.4f (pose fitted; without: %.2f dB)",
+                          what, kind, mean->maskedPsnrDb, mean->alphaIou, mean->maskedSsim,
+                          meanScore(frames, kind, &HeldOutFrame::withoutPoseFit)->maskedPsnrDb);
+            text += line;
+        }
+    return text;
+}
+
+}  // namespace dpl

@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: Apache-2.0
+// Scores of a finished avatar on the frames of one split, for the report and `doppel evaluate`.
+#pragma once
+
+#include <functional>
+#include <vector>
+
+#include "reconstruction/judging/report/draw_view.h"
+#include "reconstruction/judging/report/report.h"
+#include "reconstruction/judging/report/score.h"
+#include "reconstruction/output/package/poses_file.h"
+#include "reconstruction/run/train_frames.h"
+
+namespace dpl {
+
+/** The label baseline: one colour a label, from training frames. */
+Result<LabelColours> gatherLabelColours(const IngestedScan& ingested, Pictures& pictures);
+
+/** Draws each frame of `set` in the poses found for it, and scores both pictures and both floors. poses: one a frame of the scan.
+ *  withPictures: keep truth, render and difference for the page. progress: share done and a frame's name; false cancels. */
+Result<std::vector<HeldOutFrame>> scoreFrames(const LabelColours& labelColours, const FrameSet& set, const AvatarData& avatar,
+                                              AvatarView& view, const PosesFile& poses, bool withPictures, Jobs& jobs,
+                                              const std::function<bool(double, const std::string&)>& progress);
+
+/** One line a kind of frame: scores with and without pose fit. `what`: "held-out", "validation". */
+std::string scoreLines(const std::vector<HeldOutFrame>& frames, const char* what);
+
+}  // namespace dpl

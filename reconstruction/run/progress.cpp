@@ -1,0 +1,95 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "reconstruction/run/progress.h"
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <cmath>
+#include <csignal>
+#include <cstdio>
+
+#include "sdk/core/result.h"
+
+namespace dpl {
+namespace {
+
+std::atomic<bool> cancelRequested{false};
+
+extern "C" void onSignal(int signalNumber) {
+    if (cancelRequested.exchange(true)) {
+        std::signal(signalNumber, SIG_DFL);
+        std::raise(signalNumber);
+    }
+}
+
+std::string duration(double seconds) {
+    const long whole = std::lround(seconds);
+    return whole < 90 ? formatText("{} s", whole) : formatText("{} min {} s", whole / 60, whole % 60);
+}
+
+}  // namespace
+
+Progress::Progress(Style style) : style_(style), terminal_(::isatty(STDERR_FILENO) != 0) {}
+
+void Progress::clearLine() {
+    if (lineOpen_ && terminal_) std::fputs("\r\033[K", stderr);
+    lineOpen_ = false;
+}
+
+void Progress::beginStage(std::string_view name) {
+    stage_ = name;
+    stageStart_ = lastDrawn_ = Clock::now();
+    if (style_ == Style::Quiet || !terminal_) return;
+    std::fprintf(stderr, "  %-14s ...", stage_.c_str());
+    lineOpen_ = true;
+}
+
+void Progress::update(double fraction, std::string_view detail) {
+    if (style_ == Style::Quiet) return;
+    const Clock::time_point now = Clock::now();
+    const double sinceDrawn = std::chrono::duration<double>(now - lastDrawn_).count();
+    if (sinceDrawn < (terminal_ ? 0.2 : 10.0)) return;
+    lastDrawn_ = now;
+    fraction = std::clamp(fraction, 0.0, 1.0);
+    const double elapsed = std::chrono::duration<double>(now - stageStart_).count();
+    const std::string left = fraction > 0.01 ? duration(elapsed * (1 - fraction) / fraction) + " left" : "";
+    constexpr int kCells = 24;
+    std::string bar(kCells, '.');
+    std::fill_n(bar.begin(), int(fraction * kCells), '#');
+    clearLine();
+    std::fprintf(stderr, "  %-14s [%s] %3.0f %%  %s  %.*s%s", stage_.c_str(), bar.c_str(), fraction * 100, left.c_str(), int(detail.size()),
+                 detail.data(), terminal_ ? "" : "\n");
+    std::fflush(stderr);
+    lineOpen_ = terminal_;
+}
+
+void Progress::endStage(std::string_view summary) {
+    clearLine();
+    if (style_ == Style::Quiet) return;
+    const double elapsed = std::chrono::duration<double>(Clock::now() - stageStart_).count();
+    std::fprintf(stderr, "  %-14s %s  (%s)\n", stage_.c_str(), std::string(summary).c_str(), duration(elapsed).c_str());
+}
+
+void Progress::note(std::string_view line) {
+    clearLine();
+    if (style_ != Style::Quiet) std::fprintf(stderr, "  %.*s\n", int(line.size()), line.data());
+}
+
+void Progress::detail(std::string_view line) {
+    if (style_ == Style::Verbose) note(line);
+}
+
+bool Progress::cancelled() {
+    return cancelRequested;
+}
+const std::atomic<bool>& Progress::cancelFlag() {
+    return cancelRequested;
+}
+
+void installSignalHandlers() {
+    std::signal(SIGINT, onSignal);
+    std::signal(SIGTERM, onSignal);
+    if (std::signal(SIGHUP, onSignal) == SIG_IGN) std::signal(SIGHUP, SIG_IGN);  // nohup
+}
+
+}  // namespace dpl

@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: Apache-2.0
+// A scan as inputs of a stage: names, cameras and the hashes of its files.
+#pragma once
+
+#include <nlohmann/json.hpp>
+
+#include "reconstruction/run/train_frames.h"
+
+namespace dpl {
+
+/** One entry a frame. A file that cannot be read has the text of the error as its hash, so the stage runs again when it is repaired. */
+std::vector<FrameHashes> hashFrames(const Scan& scan);
+
+/** The inputs of one frame. */
+nlohmann::json frameInputs(const ScanFrame& frame, const FrameHashes& files);
+/** The inputs that all frames share. */
+nlohmann::json commonInputs(const Scan& scan);
+/** What the poses of frames depend on: of every frame its camera, time and keypoints, and no picture. */
+nlohmann::json posedInputs(const Scan& scan, const std::vector<FrameHashes>& hashes);
+/** All inputs of all frames. */
+nlohmann::json scanInputs(const Scan& scan, const std::vector<FrameHashes>& hashes);
+
+}  // namespace dpl

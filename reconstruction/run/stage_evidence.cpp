@@ -1,0 +1,214 @@
+// SPDX-License-Identifier: Apache-2.0
+// The stage evidence measures how much each optional part improves the avatar. The trained avatar is trained on for a short while, whole
+// and again without each part, so that what remains makes up for the part as well as it can. The public SDK draws validation frames with
+// each of these avatars, and the pictures are scored. A validation frame is drawn in its registered pose after a pose fit, which moves
+// joints and root only, to the avatar that is judged. A part must gain a fixed amount, and more the larger it is. A scan that is too small
+// for a validation split is judged on training frames. Held-out frames are not used.
+#include <algorithm>
+#include <cstdio>
+
+#include "reconstruction/judging/evidence/motion_faults.h"
+#include "reconstruction/judging/evidence/priors.h"
+#include "reconstruction/judging/report/detail.h"
+#include "reconstruction/judging/report/draw_view.h"
+#include "reconstruction/judging/report/score.h"
+#include "reconstruction/run/registered_pose.h"
+#include "reconstruction/run/stage_keys.h"
+#include "reconstruction/run/stages.h"
+#include "reconstruction/training/trainer/retrain.h"
+#include "sdk/core/evenly_spaced.h"
+#include "sdk/core/files.h"
+
+namespace dpl {
+namespace {
+
+constexpr size_t kFramesOfAKind = 12;  // scored training frames of each kind (moving, still), where no validation frame exists
+
+/** Adds up to kFramesOfAKind evenly spaced frames of a kind to `chosen`. */
+void chooseFrames(const std::vector<TrainFrame>& frames, FrameKind kind, std::vector<const TrainFrame*>& chosen) {
+    std::vector<const TrainFrame*> all;
+    for (const TrainFrame& frame : frames)
+        if (frame.kind == kind) all.push_back(&frame);
+    const auto spaced = evenlySpaced(all, kFramesOfAKind);
+    chosen.insert(chosen.end(), spaced.begin(), spaced.end());
+}
+
+/** The frames that decide. */
+struct Jury {
+    std::vector<TrainFrame> frames;
+    bool registered = true;  // validation frames in their registered poses; false: training frames in their trained poses
+
+    size_t closeups() const {
+        return size_t(std::count_if(frames.begin(), frames.end(), [](const TrainFrame& f) { return f.kind == FrameKind::StaticCloseup; }));
+    }
+    /** Frames whose PSNR decides: a close-up shows too little of the subject. */
+    size_t judging() const { return frames.size() - closeups(); }
+};
+
+struct Mean {
+    double sum = 0;
+    size_t count = 0;
+    void add(double value) { sum += value, ++count; }
+    double value() const { return count > 0 ? sum / double(count) : 0; }
+};
+
+Result<Jury> chooseJury(const IngestedScan& ingested, const FittedBody& body, const RegisteredPoses& registered, const Training& training,
+                        const AssembledAvatar& assembled, Pictures& pictures) {
+    Jury jury;
+    DPL_TRY(FrameSet set, framesOf(ingested, Split::Validation, body.cameras, registered.poses, pictures));
+    setPrecisions(set, registered.precisions);
+    const std::vector<const Pose*> trained = trainedPoses(ingested, training.result);
+    for (size_t i = 0; i < set.frames.size(); ++i)
+        set.frames[i].pose = registeredPose(ingested.scan, registered.poses, trained, set.indices[i]);
+    jury.frames = std::move(set.frames);
+    if (jury.judging() > 0) return jury;
+    jury.frames.clear();
+    jury.registered = false;
+    std::vector<const TrainFrame*> chosen;
+    chooseFrames(assembled.frames, FrameKind::Dynamic, chosen);
+    chooseFrames(assembled.frames, FrameKind::StaticFull, chosen);
+    for (const TrainFrame* frame : chosen) jury.frames.push_back(*frame);
+    return jury;
+}
+
+/** What the jury says of an avatar. */
+struct JuryScore {
+    double maskedPsnrDb = 0;  // mean over full-body and moving frames
+    double detail = 0;        // report/detail.h, mean over close-ups, or over all frames where the jury has no close-up
+    MotionFaults faults;
+};
+
+/** Trains avatars on and scores them on the jury's frames. */
+class Judge {
+public:
+    Judge(const AssembledAvatar& assembled, const Jury& jury, const RunSettings& settings, Jobs& jobs, StageContext& context)
+        : assembled_(assembled), jury_(jury), settings_(settings), jobs_(jobs), context_(context) {}
+
+    /** The scores of `avatar` after it was trained on. Progress runs from `from` to `to`. */
+    Result<JuryScore> score(AvatarData avatar, const RetrainParts& parts, double from, double to) const {
+        const auto steps = uint32_t(std::max(20.0, priors::kRetrainShare * settings_.training.steps));
+        const CoOptimiseSettings training = retrainSettings(settings_.training, parts, steps, avatar.splats.shDegree);
+        const auto report = [&](const CoOptimiseProgress& p) {
+            context_.progress.update(from + 0.5 * (to - from) * p.step / std::max(1u, p.steps),
+                                     formatText("training on, step {} of {}", p.step, p.steps));
+        };
+        DPL_TRY(avatar, retrain(std::move(avatar), assembled_.triangleLabel, assembled_.frames, training, jobs_, report,
+                                &context_.progress.cancelFlag()));
+        DPL_TRY(const auto bytes, writeAvatar(avatar, {}));
+        DPL_TRY(const AvatarData decoded, readAvatar(bytes));
+        DPL_TRY(auto view, AvatarView::open(bytes, jobs_.threadCount()));
+        JuryScore sum;
+        Mean psnrDb, detail, closeDetail;
+        for (size_t i = 0; i < jury_.frames.size(); ++i) {
+            if (context_.progress.cancelled()) return fail(Code::Cancelled, "stopped");
+            const TrainFrame& frame = jury_.frames[i];
+            Pose pose = frame.pose;
+            if (jury_.registered)
+                if (auto fitted = fitPose(decoded, frame, settings_.poseFit, jobs_)) pose = fitted->pose;
+            DPL_TRY(const auto picture, view.draw(pose, frame.camera));
+            const auto truth = cutOut(frame.picture->image, frame.picture->mask);
+            const uint32_t width = frame.camera.widthPx, height = frame.camera.heightPx;
+            const bool closeup = frame.kind == FrameKind::StaticCloseup;
+            if (!closeup) psnrDb.add(scorePicture(picture, truth, width, height).maskedPsnrDb);
+            if (const auto d = detailCorrelation(picture, truth, width, height)) (closeup ? closeDetail : detail).add(*d);
+            context_.progress.update(from + (to - from) * (0.5 + 0.5 * double(i + 1) / double(jury_.frames.size())), frame.name);
+        }
+        sum.maskedPsnrDb = psnrDb.value(), sum.detail = closeDetail.count > 0 ? closeDetail.value() : detail.value();
+        DPL_TRY(sum.faults, motionFaults(decoded, view, jury_.frames, jobs_));
+        return sum;
+    }
+
+private:
+    const AssembledAvatar& assembled_;
+    const Jury& jury_;
+    const RunSettings& settings_;
+    Jobs& jobs_;
+    StageContext& context_;
+};
+
+std::string decimals(double value, int digits) {
+    char text[48];
+    std::snprintf(text, sizeof text, "%.*f", digits, value);
+    return text;
+}
+
+const char* whyNotTrained(AvatarPart part, const RunSettings& settings) {
+    if (part == AvatarPart::ViewDependentColour) return "not trained";
+    if (part == AvatarPart::CorrectiveLight && settings.training.rateNodeLight == 0) return "not trained: left out by --without light";
+    return "not trained: too few moving frames, or all in one pose";
+}
+
+Status weigh(const AssembledAvatar& assembled, const Jury& jury, const RunSettings& settings, Jobs& jobs, StageContext& context) {
+    const Judge judge(assembled, jury, settings, jobs, context);
+    const AvatarData& avatar = assembled.avatar;
+    const RetrainParts trained{.correctiveLight = settings.training.rateNodeLight > 0};
+    DPL_TRY(const JuryScore whole, judge.score(avatar, trained, 0, 0.25));
+    DPL_TRY(const auto wholeFile, writeAvatar(avatar, kPackaged));
+    const std::pair<AvatarPart, std::string> kParts[] = {
+        {AvatarPart::CorrectiveOffsets, "pose-dependent offsets"},
+        {AvatarPart::CorrectiveLight, "pose-dependent light"},
+        {AvatarPart::ViewDependentColour, "view-dependent colour (SH degree " + std::to_string(avatar.splats.shDegree) + ")"}};
+    std::vector<PartEvidence> rows;
+    for (const auto& [part, name] : kParts) {
+        const double from = 0.25 * double(rows.size() + 1);
+        if (!hasPart(avatar, part)) {
+            rows.push_back({part, {name, false, 0, 0, whyNotTrained(part, settings)}});
+            continue;
+        }
+        AvatarData without = avatar;
+        removePart(without, part);
+        DPL_TRY(const auto file, writeAvatar(without, kPackaged));
+        RetrainParts parts = trained;
+        if (part == AvatarPart::CorrectiveOffsets) parts.correctiveOffsets = false;
+        if (part == AvatarPart::CorrectiveLight) parts.correctiveLight = false;
+        DPL_TRY(const JuryScore rest, judge.score(std::move(without), parts, from, from + 0.25));
+        const uint64_t bytes = wholeFile.size() - std::min(wholeFile.size(), file.size());
+        const double gain = whole.maskedPsnrDb - rest.maskedPsnrDb,
+                     price = priors::kWorthItDb + priors::kWorthAMegabyteDb * double(bytes) / 1e6;
+        const bool kept = gain >= price;
+        rows.push_back(
+            {part,
+             {name, kept, float(gain), kept ? bytes : 0,
+              formatText("masked PSNR of {} {} frames against an avatar that was trained on without it; {} KB must gain {} dB; "
+                         "correlation of fine detail {}{}, without it {}; flicker {} levels, without it {}; clothes inside the "
+                         "body {} %, without it {} %",
+                         jury.judging(), jury.registered ? "validation" : "training", (bytes + 500) / 1000, decimals(price, 3),
+                         jury.closeups() > 0 ? formatText("on {} close-ups ", jury.closeups()) : "", decimals(whole.detail, 3),
+                         decimals(rest.detail, 3), decimals(whole.faults.flickerLevels, 2), decimals(rest.faults.flickerLevels, 2),
+                         decimals(100 * whole.faults.penetration, 2), decimals(100 * rest.faults.penetration, 2))}});
+    }
+    return writeEvidence(rows, context.folder / "evidence.json");
+}
+
+/** The files of validation frames, which this stage alone reads. Their keypoints reach it through the body fit. */
+nlohmann::json juryInputs(const IngestedScan& ingested) {
+    nlohmann::json out = nlohmann::json::array();
+    for (size_t f = 0; f < ingested.scan.frames.size(); ++f)
+        if (ingested.scan.frames[f].split == Split::Validation)
+            out.push_back({ingested.scan.frames[f].name, ingested.hashes[f].image, ingested.hashes[f].mask});
+    return out;
+}
+
+}  // namespace
+
+Result<MeasuredParts> runEvidence(const StageRun& run, const IngestedScan& ingested, const FittedBody& body,
+                                  const RegisteredPoses& registered, const Training& training, Lazy<AssembledAvatar>& trained,
+                                  Pictures& pictures, const RunSettings& settings) {
+    const nlohmann::json inputs = {{"trained", training.key},
+                                   {"register", registered.key},
+                                   {"assemble", assembleInputs()},
+                                   {"name", ingested.scan.name},
+                                   {"training", trainingInputs(settings)},
+                                   {"validation", juryInputs(ingested)},
+                                   {"poseFit", fieldsJson(settings.poseFit)},
+                                   {"framesOfAKind", kFramesOfAKind}};
+    DPL_TRY(const StageOutput stage, run.chain.run("evidence", 11, inputs, [&](StageContext& context) -> Status {
+        DPL_TRY(const AssembledAvatar* assembled, trained.get());
+        DPL_TRY(const Jury jury, chooseJury(ingested, body, registered, training, *assembled, pictures));
+        return weigh(*assembled, jury, settings, run.jobs, context);
+    }));
+    DPL_TRY(std::vector<PartEvidence> parts, readEvidence(stage.folder / "evidence.json"));
+    return MeasuredParts{std::move(parts), stage.key};
+}
+
+}  // namespace dpl

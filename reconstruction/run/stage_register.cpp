@@ -1,0 +1,112 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+
+#include "reconstruction/run/mesh_votes.h"
+#include "reconstruction/run/precision_file.h"
+#include "reconstruction/run/stage_keys.h"
+#include "reconstruction/run/stages.h"
+#include "reconstruction/subject/body/priors.h"
+#include "reconstruction/subject/body/swapped_sides.h"
+#include "reconstruction/subject/garments/label_field.h"
+#include "reconstruction/subject/registration/priors.h"
+#include "reconstruction/subject/registration/register_frames.h"
+#include "sdk/core/files.h"
+
+namespace dpl {
+namespace {
+
+/** Values of the labels whose outlines are those of something rigid. */
+std::vector<uint8_t> rigidLabels(const Scan& scan) {
+    std::vector<uint8_t> labels;
+    for (const ScanLabel& label : scan.labels)
+        for (const char* name : {"body", "hair", "shoes"})
+            if (label.name == name) labels.push_back(label.value);
+    return labels;
+}
+
+/** 1 for triangles that move with their joints: skin, hair and shoes near the shaped body; without labels whatever lies tight to it. */
+std::vector<uint8_t> rigidTriangles(const MeshData& mesh, std::span<const Vec3f> offsets, std::span<const uint8_t> triangleLabel,
+                                    std::span<const uint8_t> rigid) {
+    std::vector<uint8_t> out(mesh.triangles.size(), 0);
+    for (size_t t = 0; t < out.size(); ++t) {
+        float standOffM = 0;
+        for (int k = 0; k < 3; ++k) standOffM = std::max(standOffM, glm::length(offsets[mesh.triangles[t][k]]));
+        out[t] = triangleLabel.empty()
+                     ? standOffM < priors::kTightStandOffM
+                     : standOffM < priors::kRigidStandOffM && std::find(rigid.begin(), rigid.end(), triangleLabel[t]) != rigid.end();
+    }
+    return out;
+}
+
+Status fit(const StageRun& run, const IngestedScan& ingested, const FittedBody& body, const FittedSurface& surface, Pictures& pictures,
+           RegisterSettings settings, StageContext& context) {
+    const Scan& scan = ingested.scan;
+    MeshData mesh = body.shaped.mesh;
+    for (size_t v = 0; v < mesh.restPositions.size(); ++v) mesh.restPositions[v] += surface.restOffsets[v];
+    std::vector<std::shared_ptr<const FramePicture>> shown(scan.frames.size());
+    std::vector<std::vector<Keypoint>> keypoints(scan.frames.size());
+    std::vector<TrainFrame> stills;
+    RegisterInput input;
+    for (size_t f = 0; f < scan.frames.size(); ++f) {
+        const ScanFrame& frame = scan.frames[f];
+        DPL_TRY(keypoints[f], readKeypoints(scan, frame));
+        if (f < body.fit.swapped.size() && body.fit.swapped[f])
+            keypoints[f] = withSidesSwapped(keypoints[f], scan.keypointNames, body.fit.swapped[f]);
+        if (isTrainingFrame(ingested, f)) {
+            DPL_TRY(shown[f], pictures.of(f));
+            if (frame.kind != FrameKind::Dynamic) stills.push_back({frame.name, frame.kind, body.cameras[f], surface.poses[f], shown[f]});
+        }
+        input.frames.push_back({frame.kind, frame.timeS, body.cameras[f], surface.poses[f], shown[f].get(), keypoints[f], frame.split});
+    }
+    const std::vector<uint8_t> triangleLabel =
+        voteTriangleLabels(body.shaped.joints, mesh, stills, votingLabels(scan.labels)[0].value, run.jobs);
+    const std::vector<uint8_t> labels = triangleLabel.empty() ? std::vector<uint8_t>() : rigidLabels(scan);
+    const std::vector<uint8_t> rigid = rigidTriangles(mesh, surface.restOffsets, triangleLabel, labels);
+    input.body = &body.shaped, input.surface = &mesh;
+    input.triangleLabel = triangleLabel, input.rigidTriangle = rigid, input.outlineLabels = labels;
+    input.keypointNames = scan.keypointNames, input.landmarks = body.fit.landmarks;
+    // What the still frames show is too little for found keypoints (priors::kFoundKeypointSigma).
+    input.keypointSigma = scan.keypointsFound || !(body.fit.keypointSigma > 0) ? keypointSigma(scan) : body.fit.keypointSigma;
+    input.pictureWeight = scan.keypointsFound ? priors::kFoundPictureWeight : 1;
+    input.searchLimbs = scan.keypointsFound;
+    input.stillPose = body.fit.staticPose;
+    settings.progress = [&](double fraction, std::string_view what) {
+        context.progress.update(fraction, what);
+        return !context.progress.cancelled();
+    };
+    DPL_TRY(const Registration registration, registerFrames(input, settings, run.jobs));
+    PosesFile file;
+    for (const JointData& joint : body.shaped.joints) file.jointNames.push_back(joint.name);
+    for (size_t f = 0; f < scan.frames.size(); ++f) {
+        const ScanFrame& frame = scan.frames[f];
+        file.frames.push_back({frame.name, frameKindName(frame.kind), splitName(frame.split), registration.poses[f], std::nullopt});
+    }
+    DPL_CHECK_OK(writePrecisions(registration.precisions, context.folder / "precisions.bin"));
+    return writeFileAtomically(context.folder / "poses.json", posesToJson(file));
+}
+
+}  // namespace
+
+Result<RegisteredPoses> runRegister(const StageRun& run, const IngestedScan& ingested, const FittedBody& body, const FittedSurface& surface,
+                                    Pictures& pictures) {
+    const RegisterSettings settings;
+    const nlohmann::json inputs = {
+        {"training", ingested.trainingHash}, {"body_fit", body.key}, {"surface", surface.key}, {"settings", fieldsJson(settings)}};
+    DPL_TRY(const StageOutput stage, run.chain.run("register", 7, inputs, [&](StageContext& context) {
+        return fit(run, ingested, body, surface, pictures, settings, context);
+    }));
+    const std::filesystem::path path = stage.folder / "poses.json";
+    DPL_TRY(const PosesFile file, readPosesFile(path));
+    if (file.frames.size() != ingested.scan.frames.size())
+        return fail(Code::CorruptData, "{} does not fit the scan; delete it and run again", path.string());
+    DPL_TRY(auto precisions, readPrecisions(stage.folder / "precisions.bin", file.frames.size(), body.shaped.joints.size()));
+    RegisteredPoses registered{{}, std::move(precisions), stage.key};
+    for (const FramePose& frame : file.frames) {
+        if (frame.pose.localRotations.size() != body.shaped.joints.size())
+            return fail(Code::CorruptData, "{} does not fit the body; delete it and run again", path.string());
+        registered.poses.push_back(frame.pose);
+    }
+    return registered;
+}
+
+}  // namespace dpl

@@ -1,0 +1,218 @@
+// SPDX-License-Identifier: Apache-2.0
+// The stage report: draws the finished avatar.glb with the public SDK and scores it on held-out frames. Its figures do not affect the
+// avatar.
+#include <algorithm>
+#include <nlohmann/json.hpp>
+
+#include "reconstruction/judging/ladder/ladder.h"
+#include "reconstruction/judging/report/draw_view.h"
+#include "reconstruction/judging/report/plain_words.h"
+#include "reconstruction/judging/report/provenance.h"
+#include "reconstruction/judging/report/report.h"
+#include "reconstruction/judging/report/score.h"
+#include "reconstruction/run/detail_figures.h"
+#include "reconstruction/run/frame_scores.h"
+#include "reconstruction/run/portrait.h"
+#include "reconstruction/run/scale_figures.h"
+#include "reconstruction/run/stages.h"
+#include "reconstruction/subject/body/body_truth.h"
+#include "reconstruction/training/correctives/pose_stress.h"
+#include "sdk/avatar/posed_mesh.h"
+#include "sdk/core/files.h"
+#include "sdk/format/avatar_file.h"
+
+namespace dpl {
+namespace {
+
+constexpr double kGarmentRatio = 0.75;  // bar: distance of a garment from the truth, of that under plain LBS
+
+/** Adds the distances of joints to the truth of a synthetic scan, with the bars for registration. */
+void addTruth(const TruthComparison& truth, const std::string& after, ReportData& data) {
+    const std::string group = "registration against the truth, held-out dynamic frames, " + after;
+    const auto add = [&](const char* name, const char* unit, double value, double atMost) {
+        data.figures.push_back({group, name, unit, value, ReportBar{atMost, /*atLeast=*/false}});
+    };
+    add("keypoints, mean", "mm", truth.keypointsMm.mean, 15);
+    add("keypoints, 95th percentile", "mm", truth.keypointsMm.p95, 40);
+    add("limb directions, median", "degrees", truth.limbDegrees.median, 3);
+    add("limb directions, 95th percentile", "degrees", truth.limbDegrees.p95, 10);
+}
+
+/** Adds the keypoint residuals, the distances to the truth if the scan has one, and what the figures stand for. The avatar is already
+ *  written, so the truth cannot affect it. */
+void addRegistration(const Scan& scan, const FittedBody& body, const PosesFile& poses, ReportData& data) {
+    for (const KindResidual& r : body.fit.residuals) {
+        const std::string kind = r.kind == FrameKind::Dynamic ? "dynamic" : r.kind == FrameKind::StaticFull ? "static" : "close-up";
+        const std::string group = "keypoint residual, " + kind +
+                                  (r.split == Split::Test         ? ", held out"
+                                   : r.split == Split::Validation ? ", validation"
+                                                                  : ", training");
+        data.figures.push_back({group, "median", "px", r.medianPx});
+        data.figures.push_back({group, "95th percentile", "px", r.p95Px});
+    }
+    const std::string noise = "detector noise in the still training frames";
+    if (body.fit.keypointSigma > 0) {
+        data.figures.push_back({noise, "standard deviation at full confidence", "% of the diagonal", 100 * body.fit.keypointSigma});
+        data.figures.push_back({noise, "the same, assumed by the body fit", "% of the diagonal", 100 * keypointSigma(scan)});
+        data.figures.push_back({noise, "outliers", "% of the keypoints", 100 * body.fit.outlierShare});
+    }
+    const auto afterFit = compareWithTruth(scan.root, scan, body.shaped, body.fit);
+    data.provenance = provenanceOf(scan.name, afterFit && afterFit->sameBody);
+    if (!afterFit || afterFit->keypointsMm.count == 0) return;
+    addTruth(*afterFit, "after the body fit", data);
+    BodyFit final = body.fit;
+    for (size_t f = 0; f < final.poses.size(); ++f)
+        final.poses[f] = poses.frames[f].fittedPose ? *poses.frames[f].fittedPose : poses.frames[f].pose;
+    if (const auto afterPoseFit = compareWithTruth(scan.root, scan, body.shaped, final))
+        addTruth(*afterPoseFit, "after training and pose fit", data);
+}
+
+/** Adds the gain of pose fit and of splats, the two steps that the report measures both with and without. */
+void addWaterfall(ReportData& data) {
+    for (const char* kind : {"static", "dynamic"}) {
+        const auto with = meanScore(data.frames, kind, &HeldOutFrame::withPoseFit),
+                   without = meanScore(data.frames, kind, &HeldOutFrame::withoutPoseFit);
+        const auto mesh = meanScore(data.frames, kind, &HeldOutFrame::meshFloor);
+        if (!with) continue;
+        data.waterfall.push_back(
+            {kind, "registration of held-out frames (pose fit on against off)", "dB", with->maskedPsnrDb - without->maskedPsnrDb});
+        data.waterfall.push_back({kind, "splats over the same mesh with vertex colours", "dB", with->maskedPsnrDb - mesh->maskedPsnrDb});
+    }
+}
+
+/** Adds how far each simulated garment is from the truth on held-out moving frames in true poses, against plain LBS. */
+void addGarments(ReportData& data) {
+    if (!data.ladder) return;
+    for (const GarmentRow& row : data.ladder->garments)
+        for (size_t g = 0; g < row.cells.size(); ++g) {
+            const LadderGroup& group = data.ladder->groups[g];
+            const GarmentCell& cell = row.cells[g];
+            if (row.poses != "true" || group.kind != "dynamic" || group.split != "test" || !(cell.plainMm > 0)) continue;
+            data.figures.push_back(
+                {"garments against the truth, held-out dynamic frames, true poses", row.garment + ", distance", "mm", cell.correctedMm});
+            data.figures.push_back({data.figures.back().group, row.garment + ", distance over that under plain LBS", "",
+                                    cell.correctedMm / cell.plainMm, ReportBar{kGarmentRatio, /*atLeast=*/false}});
+        }
+}
+
+FilmAgainSection filmAgainSection(const IngestedScan& ingested, const MappedBody& mapped) {
+    FilmAgainSection section{mapped.advice, {}, {}, mapped.pictures};
+    const auto check = nlohmann::json::parse(ingested.check, nullptr, /*allow_exceptions=*/false);
+    if (check.is_object() && check.contains("findings"))
+        for (const auto& finding : check["findings"]) section.warnings.push_back(finding.value("sentence", ""));
+    for (const auto& p : mapped.figures["places"])
+        section.rows.push_back({p.value("name", ""), p.value("mm_per_pixel", 0.0), p.value("finest_detail_mm", 0.0),
+                                p.value("blur_px", 0.0), p.value("pictures", 0.0), p.value("not_seen", 0.0)});
+    return section;
+}
+
+std::string summaryOf(const ReportData& data, size_t splats, size_t bytes) {
+    std::string text = data.filmAgain.advice + formatText("{} splats, {} bytes", splats, bytes);
+    text += scoreLines(data.frames, "held-out") + scoreLines(data.validation, "validation");
+    if (const std::string bars = barSummary(data); !bars.empty()) text += "\n" + bars;
+    for (const std::string& sentence : data.provenance) text += "\n" + sentence;
+    text += "\n\n" + verdictSentence(data);
+    if (const std::string draft = draftSentence(data); !draft.empty()) text += "\n" + draft;
+    return text;
+}
+
+/** Hashes of the labels of frames that were not trained on: the floors and the figures of fine detail read them. */
+nlohmann::json scoredLabels(const IngestedScan& ingested) {
+    nlohmann::json out = nlohmann::json::array();
+    for (size_t f = 0; f < ingested.scan.frames.size(); ++f)
+        if (ingested.scan.frames[f].split != Split::Train) out.push_back({ingested.scan.frames[f].name, ingested.hashes[f].labels});
+    return out;
+}
+
+/** Hashes of the files that the report reads itself: the truth with its surfaces, what scan.json says of them, and pictures at other sizes.
+ */
+nlohmann::json measuringFiles(const std::filesystem::path& scan) {
+    namespace fs = std::filesystem;
+    std::vector<fs::path> files{scan / "truth.json", scan / "scan.json"};
+    std::error_code error;
+    for (const char* folder : {"hires", "geometry", "posed"})
+        for (const fs::directory_entry& entry : fs::recursive_directory_iterator(scan / folder, error)) files.push_back(entry.path());
+    std::sort(files.begin(), files.end());
+    nlohmann::json hashes = nlohmann::json::array();
+    for (const fs::path& file : files) {
+        if (!fs::is_regular_file(file, error)) continue;
+        if (const auto hash = hashFile(file)) hashes.push_back({file.lexically_relative(scan).string(), *hash});
+    }
+    return hashes;
+}
+
+}  // namespace
+
+Result<StageOutput> runReport(const StageRun& run, const IngestedScan& ingested, const FittedBody& body, const Training& training,
+                              const Package& package, const FoundPoses& found, const MappedBody& mapped, Pictures& pictures,
+                              const RunSettings& settings) {
+    const nlohmann::json inputs = {{"pose_fit", found.key},
+                                   {"map", mapped.key},
+                                   {"labels", scoredLabels(ingested)},
+                                   {"verdict", ingested.verdict + ingested.validation},
+                                   {"measuring", measuringFiles(ingested.scan.root)}};
+    return run.chain.run("report", 12, inputs, [&](StageContext& context) -> Status {
+        DPL_TRY(AvatarData avatar, readAvatar(package.bytes));
+        DPL_TRY(AvatarInfo info, inspectAvatar(package.bytes));
+        ReportData data;
+        data.title = "Doppel: " + ingested.scan.name;
+        data.facts = {{"scan", ingested.scan.root.filename().string()},
+                      {"body", body.shaped.name},
+                      {"training", formatText("{} steps, at most {} splats; polish {} steps, pose fit {}",
+                                              training.result.curve.empty() ? 0u : training.result.curve.back().step,
+                                              settings.training.maxSplats, settings.polishSteps, settings.poseFit.iterations)},
+                      {"seed", std::to_string(settings.training.seed)},
+                      {"splats", std::to_string(avatar.splats.count())},
+                      {"file", std::to_string(package.bytes.size()) + " bytes"},
+                      {"content hash", info.contentHash}};
+        data.filmAgain = filmAgainSection(ingested, mapped);
+        data.verdict = ingested.verdict + ingested.validation + "\n";
+        data.length = {training.steps, settingsOf({}).training.steps};
+        DPL_TRY(auto view, AvatarView::open(package.bytes, run.jobs.threadCount()));
+        DPL_TRY(data.portrait, drawPortrait(ingested.scan, body.cameras, found.poses, avatar, view, run.jobs));
+        DPL_TRY(const LabelColours labelColours, gatherLabelColours(ingested, pictures));
+        DPL_TRY(const FrameSet heldOut, framesOf(ingested, Split::Test, body.cameras, body.fit.poses, pictures));
+        const auto tell = [&context](double share, const std::string& what) {
+            context.progress.update(share, what);
+            return !context.progress.cancelled();
+        };
+        DPL_TRY(data.frames, scoreFrames(labelColours, heldOut, avatar, view, found.poses, true, run.jobs, tell));
+        DPL_TRY(const FrameSet validation, framesOf(ingested, Split::Validation, body.cameras, body.fit.poses, pictures));
+        DPL_TRY(data.validation, scoreFrames(labelColours, validation, avatar, view, found.poses, false, run.jobs, tell));
+        DPL_TRY(data.ladder, measureLadder({ingested.scan, body.cameras, avatar, found.poses, tell}, run.jobs));
+        DPL_CHECK_OK(addScaleFigures(ingested.scan.root, context.progress, view, heldOut, found.poses, data));
+        DPL_CHECK_OK(addDetailFigures(ingested.scan, context.progress, view, heldOut, found.poses, data));
+        for (const StageRecord& s : run.chain.records()) data.stages.push_back({s.name, s.seconds, s.peakBytes, s.reused});
+        PlotSeries loss{"total", {}, {}}, psnr{"masked", {}, {}};
+        for (const CurvePoint& p : training.result.curve) {
+            loss.x.push_back(p.step), loss.y.push_back(p.loss);
+            psnr.x.push_back(p.step), psnr.y.push_back(p.psnr);
+        }
+        data.lossCurves = {loss};
+        data.psnrCurves = {psnr};
+        addRegistration(ingested.scan, body, found.poses, data);
+        const StepProfile& profile = training.result.profile;
+        const std::string speed = "training step, mean over the last epoch";
+        data.figures.push_back({speed, "step", "ms", profile.stepMs});
+        data.figures.push_back({speed, "pixel-splat pairs", "a step", profile.pairs});
+        data.figures.push_back({speed, "forward", "ns a pair", profile.forwardNsPerPair});
+        data.figures.push_back({speed, "backward", "ns a pair", profile.backwardNsPerPair});
+        if (const PoseStress stress = poseStress(avatar, run.jobs); stress.offsetMm > 0) {
+            const std::string strange = "pose correctives on 64 random poses that nobody trained, 99th percentiles";
+            data.figures.push_back({strange, "offset", "mm", stress.offsetMm});
+            data.figures.push_back({strange, "strain of an edge", "%", stress.strainPercent});
+            data.figures.push_back({strange, "change of brightness", "%", stress.lightPercent});
+        }
+        const std::string size = "avatar file";
+        data.figures.push_back(
+            {size, "splats and SH", "bytes a splat", double(info.splatBytes + info.shBytes) / std::max(1u, info.splats)});
+        data.figures.push_back({size, "whole file", "bytes", double(package.bytes.size())});
+        addWaterfall(data);
+        addGarments(data);
+        data.evidence = avatar.evidence;
+        DPL_CHECK_OK(writeFileAtomically(context.folder / "summary.txt", summaryOf(data, avatar.splats.count(), package.bytes.size())));
+        return writeReport(data, context.folder);
+    });
+}
+
+}  // namespace dpl

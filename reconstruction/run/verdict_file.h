@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: Apache-2.0
+// OUT/verdict.json: what to film again, for programs. A run writes it after the stage body-map, or when the scan is refused before.
+//
+//   refused      null, or {stage, reason}: the stage that refuses and its sentences for people
+//   film_again   of a good scan: [{shot, sentence, gain}]; of a refused one: [{topic, sentence, frames}], and `part` where one is known
+//   places       figures of each place of the body; empty where the scan is refused
+//   scan_check   findings and figures of the scan check; null where the run did not come to it
+#pragma once
+
+#include "reconstruction/run/stages.h"
+
+namespace dpl {
+
+struct Refusal {
+    std::string stage;
+    nlohmann::ordered_json filmAgain = nlohmann::ordered_json::array();
+    nlohmann::ordered_json scanCheck;
+};
+
+/** Writes the verdict of a refused scan, and returns `reason` for the caller to return in turn, with Unsupported for InvalidArgument: no
+ *  argument is wrong. An error that says nothing about the scan (cancelled, disk full, out of memory) leaves the file as it is. */
+Error refuse(const StageRun& run, const Refusal& refusal, Error reason);
+
+/** Writes the verdict of a scan that can be used. */
+Status writeVerdict(const StageRun& run, const IngestedScan& ingested, const MappedBody& mapped);
+
+}  // namespace dpl

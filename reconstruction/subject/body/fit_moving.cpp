@@ -1,0 +1,165 @@
+// SPDX-License-Identifier: Apache-2.0
+// Moving frames of the body fit: track a first guess, choose the depth of arms and legs, solve all train frames together, and pose the
+// held-out frames between them.
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "reconstruction/subject/body/body_fitter.h"
+#include "reconstruction/subject/body/limb_depths.h"
+#include "reconstruction/subject/body/motion_terms.h"
+
+namespace dpl {
+namespace {
+
+constexpr double kLooseFootScale = 5;
+constexpr int kUntangleRounds = 3;
+constexpr double kTrackStepRad = 0.5, kTrackStepM = 0.3;  // σ of the change of pose and root from frame to frame; tracking only
+
+}  // namespace
+
+void BodyFitter::addSmoothness(ceres::Problem& problem, const std::vector<size_t>& order, const std::function<bool(size_t)>& involves) {
+    const Vec3d up = rotationOf({still_.root[0], still_.root[1], still_.root[2]}) * still_.rootReference * Vec3d(0, 1, 0);
+    std::vector<MovingFrame> inTime;
+    for (const size_t f : order) {
+        FrameState& s = frames_[f];
+        inTime.push_back({scan_.frames[f].timeS, &s.rootReference, s.root, s.pose.data(), involves(f)});
+    }
+    addMotionTerms(problem, {context_, priors_, scan_.keypointNames, up, shape_.data(), {}}, inTime);
+}
+
+Status BodyFitter::trackMoving(const std::vector<size_t>& order, double from, double to) {
+    context_.outlierSigmas = kLooseOutliers;
+    const FrameState* previous = &still_;
+    for (size_t i = 0; i < order.size(); ++i) {
+        FrameState& s = frames_[order[i]];
+        s.rootReference = rotationOf({previous->root[0], previous->root[1], previous->root[2]}) * previous->rootReference;
+        std::copy(previous->root, previous->root + kRootSize, s.root);
+        std::fill(s.root, s.root + 3, 0.0);
+        s.pose = previous->pose;
+        ceres::Problem problem;
+        addFrame(problem, order[i]);
+        freezeGlobals(problem);
+        problem.AddResidualBlock(new DiagonalPrior(s.pose, std::vector<double>(s.pose.size(), kTrackStepRad)), nullptr, s.pose.data());
+        problem.AddResidualBlock(new DiagonalPrior(std::vector<double>(s.root, s.root + kRootSize),
+                                                   {kTrackStepRad, kTrackStepRad, kTrackStepRad, kTrackStepM, kTrackStepM, kTrackStepM}),
+                                 nullptr, s.root);
+        DPL_CHECK_OK(solve(problem, "moving frames: first guess", 25, from + (to - from) * double(i) / double(order.size()),
+                           from + (to - from) * double(i + 1) / double(order.size())));
+        if (solves_.size() > 1 && solves_[solves_.size() - 2].what == solves_.back().what) {  // merge the frames of a track into one entry
+            SolveEnd& total = solves_[solves_.size() - 2];
+            total.steps += solves_.back().steps, total.costBefore += solves_.back().costBefore, total.costAfter += solves_.back().costAfter,
+                total.how = solves_.back().how;
+            solves_.pop_back();
+        }
+        previous = &s;
+    }
+    return {};
+}
+
+void BodyFitter::untangleMoving(const std::vector<size_t>& order, const std::function<bool(size_t)>& mayChange) {
+    std::vector<LimbFrame> inTime;
+    for (const size_t f : order) {
+        FrameState& s = frames_[f];
+        inTime.push_back({scan_.frames[f].timeS, metricCamera(scan_.frames[f].camera, std::exp(logUnit_)), keypoints_[f], &s.rootReference,
+                          s.root, &s.pose, mayChange(f)});
+    }
+    untangleLimbs({body_, chain_, priors_, scan_.keypointNames, shape_.data(), shapeFromMoving_ ? std::span<const double>() : still_.pose},
+                  inTime);
+}
+
+Status BodyFitter::fitMoving(double from, double to) {
+    const std::vector<size_t> order = movingInTime(Split::Train);
+    if (order.empty()) return {};
+    const double part = (to - from) / (4 + 4 * kUntangleRounds);
+    double done = from;
+    const auto together = [&](const char* what, bool loose, int maxSteps) -> Status {
+        context_.outlierSigmas = loose ? kLooseOutliers : settings_.outlierSigmas;
+        context_.footSigmaScale = loose ? kLooseFootScale : 1;
+        ceres::Problem problem;
+        for (size_t f : order) addFrame(problem, f);
+        addSmoothness(problem, order, [](size_t) { return true; });
+        if (shapeFromMoving_) addShapePriors(problem);
+        if (!shapeFromMoving_)
+            freezeGlobals(problem);
+        else if (metric_)
+            problem.SetParameterBlockConstant(&logUnit_);
+        done += part;
+        return solve(problem, what, maxSteps, done - part, done);
+    };
+    // Track once forwards and once backwards in time, because a limb with wrong depth in one track is often right in the other. Better
+    // shoulders and hips give better depth choices, so choose and solve again while the cost falls. Keep the result of least cost.
+    struct Best {
+        std::vector<FrameState> frames;
+        std::vector<double> shape;
+        double logUnit = 0, cost = 0;
+    };
+    const Best start{frames_, shape_, logUnit_, 0};
+    const auto restore = [&](const Best& state) {
+        frames_ = state.frames;
+        std::copy(state.shape.begin(), state.shape.end(), shape_.begin());
+        logUnit_ = state.logUnit;
+    };
+    std::optional<Best> best;
+    for (const bool backwards : {false, true}) {
+        restore(start);
+        std::vector<size_t> track = order;
+        if (backwards) std::reverse(track.begin(), track.end());
+        DPL_CHECK_OK(trackMoving(track, done, done + part));
+        done += part;
+        DPL_CHECK_OK(together("moving frames: together, loose", true, 12));
+        double last = std::numeric_limits<double>::infinity();
+        for (int round = 0; round < kUntangleRounds; ++round) {
+            untangleMoving(order, [](size_t) { return true; });
+            DPL_CHECK_OK(together("moving frames: limbs untangled", true, 50));
+            DPL_CHECK_OK(together("moving frames: together", false, 50));
+            const double cost = solves_.back().costAfter;
+            if (!best || cost < best->cost) best = Best{frames_, shape_, logUnit_, cost};
+            if (cost >= last * (1 - 1e-4)) break;
+            last = cost;
+        }
+        done = from + (2 + 2 * kUntangleRounds) * part;
+    }
+    restore(*best);
+    return {};
+}
+
+/** Poses the moving frames of a split other than training from their own keypoints, with the frames that they know fixed. */
+Status BodyFitter::fitHeldOutMoving(Split split, double from, double to) {
+    const std::vector<size_t> order = movingInTime(split);
+    const auto isPosed = [&](size_t f) { return scan_.frames[f].split == split; };
+    if (std::none_of(order.begin(), order.end(), isPosed)) return {};
+    for (size_t f : order) {  // start from the train frame nearest in time
+        if (!isPosed(f)) continue;
+        const FrameState* nearest = nullptr;
+        double distance = 0;
+        for (size_t g : order)
+            if (const double d = std::abs(scan_.frames[g].timeS - scan_.frames[f].timeS); isTrain(g) && (!nearest || d < distance))
+                nearest = &frames_[g], distance = d;
+        if (!nearest) continue;
+        FrameState& s = frames_[f];
+        s.rootReference = nearest->rootReference;
+        std::copy(nearest->root, nearest->root + kRootSize, s.root);
+        s.pose = nearest->pose;
+    }
+    for (int round = 0; round < 2; ++round) {
+        context_.outlierSigmas = round == 0 ? kLooseOutliers : settings_.outlierSigmas;
+        context_.footSigmaScale = round == 0 ? kLooseFootScale : 1;
+        if (round == 1) untangleMoving(order, isPosed);
+        ceres::Problem problem;
+        for (size_t f : order)
+            if (isPosed(f)) addFrame(problem, f);
+        addSmoothness(problem, order, isPosed);
+        freezeGlobals(problem);
+        for (size_t g : order)
+            if (!isPosed(g))
+                for (double* block : {frames_[g].root, frames_[g].pose.data()})
+                    if (problem.HasParameterBlock(block)) problem.SetParameterBlockConstant(block);
+        const double half = 0.5 * (to - from);
+        DPL_CHECK_OK(solve(problem, round == 0 ? "untrained moving frames, loose" : "untrained moving frames", 40, from + half * round,
+                           from + half * (round + 1)));
+    }
+    return {};
+}
+
+}  // namespace dpl

@@ -1,0 +1,158 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "reconstruction/subject/garments/cloth_faults.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "reconstruction/subject/garments/garment_cover.h"
+#include "reconstruction/subject/shape/closest_surface.h"
+#include "reconstruction/subject/surface/clothed_layers.h"
+#include "reconstruction/subject/surface/mesh_raster.h"
+#include "sdk/avatar/posed_mesh.h"
+
+namespace dpl {
+namespace {
+
+constexpr float kReachM = 0.1f;
+constexpr float kStretched = 2;
+constexpr float kShortestEdgeM = 1e-4f;
+constexpr int kSides = 4;
+constexpr double kEyeDistanceM = 4, kPixelM = 0.005, kMarginM = 0.1;
+
+/** An avatar as body and garments. */
+struct Clothed {
+    const AvatarData& avatar;
+    std::span<const Triangle> body;
+    std::vector<uint32_t> vertices;         // of garments
+    std::vector<Triangle> triangles;        // of garments
+    std::vector<RestTriangle<float>> bind;  // of the whole mesh
+    bool empty() const { return body.empty() || vertices.empty(); }
+
+    explicit Clothed(const AvatarData& from) : avatar(from), vertices(garmentVertices(from.mesh)) {
+        for (const LayerData& layer : from.mesh.layers) {
+            const std::span<const Triangle> own(from.mesh.triangles.data() + layer.firstTriangle, layer.triangleCount);
+            if (&layer == bodyLayer(from.mesh)) body = own;
+            if (layer.role == "garment") triangles.insert(triangles.end(), own.begin(), own.end());
+        }
+        if (!empty()) bind = restTriangles(from.mesh);
+    }
+    void pose(const Pose& pose, Jobs& jobs, PosedMesh& posed) const {
+        posed.pose({avatar.joints, avatar.mesh, avatar.correctives, bind}, pose, jobs);
+    }
+};
+
+size_t verticesInside(const Clothed& clothed, const PosedMesh& posed, Jobs& jobs) {
+    const ClosestSurface surface(posed.positions(), clothed.body);
+    std::vector<uint8_t> inside(clothed.vertices.size());
+    jobs.forRange(inside.size(), 256, [&](size_t begin, size_t end, uint32_t) {
+        for (size_t i = begin; i < end; ++i) inside[i] = surface.signedDistance(posed.positions()[clothed.vertices[i]], kReachM) < 0;
+    });
+    return size_t(std::count(inside.begin(), inside.end(), uint8_t(1)));
+}
+
+/** Body triangles with a corner that a garment covers at rest. */
+std::vector<uint8_t> coveredTriangles(const Clothed& clothed) {
+    const auto& rest = clothed.avatar.mesh.restPositions;
+    const GarmentCover cover(SurfaceMesh{rest, clothed.triangles});
+    const std::vector<Vec3f> normals = vertexNormals(rest, clothed.body);
+    std::vector<uint8_t> covered(clothed.body.size());
+    for (size_t t = 0; t < covered.size(); ++t)
+        for (int corner = 0; corner < 3 && !covered[t]; ++corner) {
+            const uint32_t v = clothed.body[t][corner];
+            const auto height = cover.heightOf(rest[v], normals[v]);
+            covered[t] = height && height->aboveM < 0;
+        }
+    return covered;
+}
+
+/** Looks level at the middle of a posed mesh from one of kSides sides. */
+Camerad sideView(std::span<const Vec3f> positions, int side) {
+    Vec3f low(1e30f), high(-1e30f);
+    for (const Vec3f& p : positions) low = glm::min(low, p), high = glm::max(high, p);
+    const Vec3d middle = 0.5 * Vec3d(low + high);
+    const double angle = 2 * 3.14159265358979 * side / kSides;
+    const Vec3d back(std::sin(angle), 0, std::cos(angle)), z = -back, y(0, -1, 0), x = glm::cross(y, z);
+    Camerad camera;
+    camera.fx = camera.fy = kEyeDistanceM / kPixelM;
+    const auto pixels = [](double metres) { return uint32_t((std::min(metres, 3.0) + 2 * kMarginM) / kPixelM); };
+    camera.widthPx = pixels(std::hypot(high.x - low.x, high.z - low.z)), camera.heightPx = pixels(high.y - low.y);
+    camera.cx = 0.5 * camera.widthPx, camera.cy = 0.5 * camera.heightPx;
+    camera.viewFromWorldRotation = glm::transpose(Mat3d(x, y, z));
+    camera.viewFromWorldTranslation = -(camera.viewFromWorldRotation * (middle + kEyeDistanceM * back));
+    return camera;
+}
+
+struct PixelCount {
+    size_t skin = 0, all = 0;
+};
+
+PixelCount countPixels(const Clothed& clothed, std::span<const uint8_t> covered, std::span<const Vec3f> positions, const Camerad& camera) {
+    const MeshRaster body = rasteriseMesh(positions, clothed.body, camera), cloth = rasteriseMesh(positions, clothed.triangles, camera);
+    PixelCount count;
+    for (size_t p = 0; p < cloth.triangle.size(); ++p) {
+        if (cloth.triangle[p] == kNoTriangle) continue;
+        const bool bodyFirst = body.depthM[p] < cloth.depthM[p];
+        if (!bodyFirst) {
+            ++count.all;
+            continue;
+        }
+        if (!covered[body.triangle[p]] || cloth.depthM[p] - body.depthM[p] > kReachM) continue;
+        const Triangle& t = clothed.triangles[cloth.triangle[p]];
+        const Vec3d a(positions[t.x]), normal = glm::cross(Vec3d(positions[t.y]) - a, Vec3d(positions[t.z]) - a);
+        if (glm::dot(normal, camera.eye() - a) > 0) ++count.skin, ++count.all;
+    }
+    return count;
+}
+
+}  // namespace
+
+double garmentPenetration(const AvatarData& avatar, std::span<const Pose> poses, Jobs& jobs) {
+    const Clothed clothed(avatar);
+    if (clothed.empty() || poses.empty()) return 0;
+    PosedMesh posed;
+    size_t count = 0;
+    for (const Pose& pose : poses) clothed.pose(pose, jobs, posed), count += verticesInside(clothed, posed, jobs);
+    return double(count) / double(clothed.vertices.size() * poses.size());
+}
+
+Result<ClothFaults> clothFaults(const AvatarData& avatar, std::span<const Pose> poses, const std::function<bool(double)>& progress,
+                                Jobs& jobs) {
+    ClothFaults faults;
+    const Clothed clothed(avatar);
+    if (clothed.empty() || poses.empty()) return faults;
+    const auto& rest = avatar.mesh.restPositions;
+    const std::vector<uint8_t> covered = coveredTriangles(clothed);
+    PosedMesh posed;
+    size_t inside = 0, mostInside = 0, edges = 0, stretched = 0;
+    PixelCount pixels;
+    for (size_t i = 0; i < poses.size(); ++i) {
+        if (progress && !progress(double(i) / double(poses.size())))
+            return fail(Code::Cancelled, "the measurement of clothes in motion was cancelled");
+        clothed.pose(poses[i], jobs, posed);
+        const std::span<const Vec3f> positions = posed.positions();
+        const size_t count = verticesInside(clothed, posed, jobs);
+        inside += count;
+        if (count > mostInside) mostInside = count, faults.worstPose = i;
+        for (const Triangle& t : clothed.triangles)
+            for (int c = 0; c < 3; ++c) {
+                const uint32_t a = t[c], b = t[(c + 1) % 3];
+                const float length = glm::length(rest[a] - rest[b]);
+                if (length < kShortestEdgeM) continue;
+                const float ratio = glm::length(positions[a] - positions[b]) / length;
+                ++edges, stretched += ratio > kStretched;
+                faults.longestStretch = std::max(faults.longestStretch, double(ratio));
+            }
+        std::vector<PixelCount> sides(kSides);
+        jobs.forRange(kSides, 1, [&](size_t begin, size_t end, uint32_t) {
+            for (size_t side = begin; side < end; ++side)
+                sides[side] = countPixels(clothed, covered, positions, sideView(positions, int(side)));
+        });
+        for (const PixelCount& side : sides) pixels.skin += side.skin, pixels.all += side.all;
+    }
+    faults.penetration = double(inside) / double(clothed.vertices.size() * poses.size());
+    if (edges > 0) faults.stretchedEdges = double(stretched) / double(edges);
+    if (pixels.all > 0) faults.skinPixels = double(pixels.skin) / double(pixels.all);
+    return faults;
+}
+
+}  // namespace dpl

@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: Apache-2.0
+// The state of a training run between steps. Private to co_optimise.cpp and checkpoint.cpp.
+#pragma once
+
+#include <optional>
+
+#include "reconstruction/subject/shape/large_steps.h"
+#include "reconstruction/training/trainer/garment_collision.h"
+#include "reconstruction/training/trainer/learned.h"
+
+namespace dpl {
+
+struct CoOptimiser::State {
+    State(CoOptimiseInput in, const CoOptimiseSettings& s, Jobs& j) : input(std::move(in)), settings(s), jobs(j), pass(j) {}
+
+    // Constant during the run.
+    const CoOptimiseInput input;
+    const CoOptimiseSettings settings;
+    Jobs& jobs;
+    std::vector<RestTriangle<float>> bind;  // of the template, before offsets
+    std::vector<float> referenceSizeM;      // per triangle, for the scale hinge and splits
+    std::vector<uint8_t> learns;            // per triangle: splats of unseen triangles of the body stay as they started
+    VertexIncidence incidence;
+    std::optional<MeshRegulariser> meshRegulariser;
+    std::optional<LargeSteps> largeSteps;
+    std::optional<GarmentCollision> collision;
+    std::vector<uint32_t> usedFrames;
+    bool onlyMoving = false;  // no still frame is used
+
+    Learned learned;  // what a checkpoint stores
+
+    // Derived from the members above.
+    MeshData mesh;  // input.mesh with the learned offsets ΔVˢ added
+    std::vector<LevelFrame> level;
+    int levelIndex = -1;
+    std::vector<uint32_t> order;
+    uint64_t orderEpoch = ~0ull;
+    std::vector<Vec3f> collisionGradient;  // of this step, on rest positions; empty in steps without
+    std::vector<Vec3f> stressGradient;     // the same in a stress pose, for offsets only: what pictures say of correctives is far from it
+    PosedMesh stressed;                    // the subject in one of input.stress
+    FramePass pass;
+    StepProfile profile;
+
+    Status prepare();
+    void chooseLearners(const std::vector<uint8_t>& seen);
+    void start(TrainableSplats splats);
+    Status stepOnce();
+    /** Fills collisionGradient every geometryEvery steps, and stressGradient every second time. */
+    void pullGarments();
+    void applyOffsets();
+    /** The body's vertices come first. Its offsets keep mean zero, because poses tell where it is. */
+    uint32_t bodyVertices() const {
+        return input.mesh.layers.empty() ? uint32_t(input.mesh.restPositions.size()) : input.mesh.layers.front().vertexCount;
+    }
+    bool learnsCorrectives() const { return settings.learnCorrectives && !input.correctives.empty(); }
+    void selectLevel();
+    uint32_t frameOf(uint32_t atStep);
+    void updateSplats(uint32_t frame);
+    void updatePose(uint32_t frame, double loss);
+    void updateOffsets();
+    void updateCorrectives();
+    float decay(float end) const;
+    CurvePoint recentPoint() const;
+    uint64_t fingerprint() const;  // hash of input and settings, to refuse a checkpoint of another run
+};
+
+}  // namespace dpl

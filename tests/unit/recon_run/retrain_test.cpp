@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: Apache-2.0
+// Training on without a part: what remains makes up for it, and the part does not come back.
+#include "reconstruction/training/trainer/retrain.h"
+
+#include <gtest/gtest.h>
+
+#include "reconstruction/judging/evidence/evidence_file.h"
+#include "reconstruction/judging/report/score.h"
+#include "tests/unit/recon_run/toy_reconstruction.h"
+
+namespace dpl::test {
+namespace {
+
+constexpr RetrainParts kNoLight{.correctiveOffsets = true, .correctiveLight = false};
+
+std::vector<TrainFrame> framesOfToy(ToyReconstruction& toy) {
+    Pictures pictures(toy.ingested.scan);
+    return must(framesOf(toy.ingested, Split::Train, toy.body.cameras, toy.truth, pictures)).frames;
+}
+
+double scoreOf(const AvatarData& avatar, const std::vector<TrainFrame>& frames) {
+    AvatarView view = must(AvatarView::open(bytesOf(avatar), 2));
+    double sum = 0;
+    for (const TrainFrame& frame : frames)
+        sum += scorePicture(must(view.draw(frame.pose, frame.camera)), frame.picture->image, frame.picture->mask).maskedPsnrDb;
+    return sum / double(frames.size());
+}
+
+TEST(Retrain, colourMakesUpForLightThatWasTakenAway) {
+    ToyReconstruction toy;
+    // The mode is 0 in still poses, so light alone could not explain that the truth is brighter everywhere.
+    toy.avatar.correctives = ballCorrectives(toy.avatar.mesh, {0, 0, 0, 0.2f}, {0, 0, 0, 0.2f});
+    AvatarData brighter = toy.avatar;
+    for (size_t i = 0; i < brighter.splats.count(); ++i)
+        for (size_t c = 0; c < 3; ++c) brighter.splats.sh[i * (brighter.splats.sh.size() / brighter.splats.count()) + c] += 0.3f;
+    toy.takePictures(brighter);
+    const auto frames = framesOfToy(toy);
+    AvatarData without = toy.avatar;
+    removePart(without, AvatarPart::CorrectiveLight);
+    const CoOptimiseSettings settings = retrainSettings(settingsOf({}).training, kNoLight, 60, without.splats.shDegree);
+    const AvatarData after = must(retrain(without, {}, frames, settings, toy.jobs));
+    EXPECT_GT(scoreOf(after, frames), scoreOf(without, frames) + 1.0);
+    EXPECT_EQ(after.splats.count(), without.splats.count());
+    EXPECT_NE(after.mesh.restPositions, without.mesh.restPositions);
+    EXPECT_FALSE(hasPart(after, AvatarPart::CorrectiveLight)) << "light was learned again";
+    EXPECT_TRUE(hasPart(after, AvatarPart::CorrectiveOffsets)) << "offsets may be learned";
+}
+
+TEST(Retrain, doesNotDependOnTheNumberOfThreads) {
+    ToyReconstruction toy;
+    toy.takePictures(toy.avatar);
+    const auto frames = framesOfToy(toy);
+    const CoOptimiseSettings settings = retrainSettings(settingsOf({}).training, {}, 12, toy.avatar.splats.shDegree);
+    Jobs one(1), three(3);
+    EXPECT_EQ(bytesOf(must(retrain(toy.avatar, {}, frames, settings, one))),
+              bytesOf(must(retrain(toy.avatar, {}, frames, settings, three))));
+}
+
+}  // namespace
+}  // namespace dpl::test

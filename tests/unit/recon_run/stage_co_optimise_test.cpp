@@ -1,0 +1,106 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <gtest/gtest.h>
+
+#include <csignal>
+#include <nlohmann/json.hpp>
+
+#include "tests/unit/recon_run/toy_reconstruction.h"
+
+namespace dpl::test {
+namespace {
+
+namespace fs = std::filesystem;
+
+/** The smallest budget gives the fewest steps, a hundred, on any machine. */
+RunSettings withBudget() {
+    RunSettings settings = settingsOf({});
+    settings.training.init.splatCount = 300, settings.training.maxSplats = 400;
+    settings.timeBudgetMinutes = 1e-9;
+    return settings;
+}
+
+class StageCoOptimise : public testing::Test {
+protected:
+    StageCoOptimise() {
+        toy_.takePictures(toy_.avatar);
+        dressed_.clothed.mesh = toy_.avatar.mesh;
+        dressed_.key = "dressed";
+    }
+    Result<Training> train() {
+        Pictures pictures(toy_.ingested.scan);
+        return runCoOptimise(toy_.run, toy_.ingested, toy_.body, dressed_, toy_.registered, pictures, withBudget());
+    }
+
+    /** Makes the finished stage look as if the process had died after the last file of the work folder, before the manifest. */
+    void killBeforeTheManifest() {
+        const std::string key = nlohmann::json::parse(must(readFile(folder_ / "manifest.json")))["key"];
+        fs::rename(folder_, work_);
+        const std::string manifest = nlohmann::json{{"stage", "co-optimise"}, {"key", key}, {"finished", false}}.dump();
+        ASSERT_TRUE(writeFileAtomically(work_ / "manifest.json", manifest));
+    }
+
+    ToyReconstruction toy_;
+    DressedBody dressed_;
+    const fs::path folder_ = toy_.folder / "out" / "stages" / "co-optimise", work_ = folder_.string() + ".work";
+};
+
+TEST(SlowestSteps, haveFullSizeAndEverySplat) {
+    const CoOptimiseSettings given = settingsOf({}).training, slowest = slowestSteps(given);
+    ASSERT_LT(given.init.splatCount, given.maxSplats);
+    EXPECT_EQ(slowest.init.splatCount, given.maxSplats);
+    EXPECT_TRUE(slowest.fullResolutionOnly);
+    EXPECT_EQ(slowest.steps, given.steps);
+}
+
+TEST_F(StageCoOptimise, aStopIsHeardInTheProbe) {
+    GTEST_FLAG_SET(death_test_style, "threadsafe");  // a process of its own: the flag of Ctrl-C cannot be cleared
+    const auto stopped = [&] {
+        installSignalHandlers();
+        std::raise(SIGINT);
+        const auto training = train();
+        const bool cancelled = !training && training.error().code == Code::Cancelled;
+        const bool probed = fs::exists(work_ / "steps.txt");
+        fs::remove_all(toy_.folder);
+        std::_Exit(cancelled && !probed ? 0 : 1);
+    };
+    EXPECT_EXIT(stopped(), testing::ExitedWithCode(0), "");
+}
+
+TEST_F(StageCoOptimise, theStepsThatABudgetAllowedArePartOfTheKeyOfLaterStages) {
+    const Training first = must(train());
+    EXPECT_EQ(first.steps, 100u);
+    EXPECT_EQ(must(train()).key, first.key) << "read back";
+    killBeforeTheManifest();
+    fs::remove(work_ / "trained.bin");
+    ASSERT_TRUE(writeFileAtomically(work_ / "steps.txt", std::string("110")));  // as a faster machine allows
+    const Training second = must(train());
+    EXPECT_EQ(second.steps, 110u);
+    EXPECT_NE(second.key, first.key);
+    EXPECT_EQ(must(train()).key, second.key) << "read back";
+}
+
+TEST_F(StageCoOptimise, aKillBeforeTheManifestCostsNothing) {
+    const Training whole = must(train());
+    const auto bytes = must(readFile(folder_ / "trained.bin"));
+    killBeforeTheManifest();
+    ASSERT_TRUE(writeFileAtomically(work_ / "checkpoint", std::string("the last one")));
+    fs::remove_all(toy_.ingested.scan.root);  // training again would miss the pictures
+    const auto again = train();
+    ASSERT_TRUE(again) << again.error().message;
+    EXPECT_EQ(must(readFile(folder_ / "trained.bin")), bytes);
+    EXPECT_EQ(again->key, whole.key);
+    EXPECT_FALSE(fs::exists(folder_ / "checkpoint"));
+}
+
+TEST_F(StageCoOptimise, aDamagedResultOfAKilledRunIsMadeAgain) {
+    must(train());
+    const auto bytes = must(readFile(folder_ / "trained.bin"));
+    killBeforeTheManifest();
+    fs::resize_file(work_ / "trained.bin", bytes.size() / 2);
+    const auto again = train();
+    ASSERT_TRUE(again) << again.error().message;
+    EXPECT_EQ(must(readFile(folder_ / "trained.bin")).size(), bytes.size());
+}
+
+}  // namespace
+}  // namespace dpl::test

@@ -1,0 +1,139 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <gtest/gtest.h>
+
+#include "tests/unit/recon_run/toy_reconstruction.h"
+
+namespace dpl::test {
+namespace {
+
+/** Runs the stage for `toy.avatar` with its training frames. */
+Result<MeasuredParts> measure(ToyReconstruction& toy) {
+    Pictures pictures(toy.ingested.scan);
+    Lazy<AssembledAvatar> trained([&]() -> Result<AssembledAvatar> {
+        DPL_TRY(FrameSet set, framesOf(toy.ingested, Split::Train, toy.body.cameras, toy.truth, pictures));
+        return AssembledAvatar{toy.avatar, std::move(set.frames)};
+    });
+    RunSettings settings = settingsOf({});
+    settings.training.steps = 250;  // so an avatar is trained on for 20 steps
+    settings.poseFit.iterations = 30;
+    return runEvidence(toy.run, toy.ingested, toy.body, toy.registered, toy.training, trained, pictures, settings);
+}
+
+const EvidenceData& rowOf(const MeasuredParts& measured, AvatarPart part) {
+    for (const PartEvidence& p : measured.parts)
+        if (p.part == part) return p.row;
+    throw std::runtime_error("no row for the part");
+}
+
+TEST(StageEvidence, keepsAPartThatHelpsAndDropsOneThatDoesNot) {
+    ToyReconstruction toy;
+    toy.avatar.correctives = ballCorrectives(toy.avatar.mesh, {0.04f, 0, 0, 0}, {0, 0, 0.04f, 0});
+    for (const bool offsetsAreTrue : {true, false}) {
+        AvatarData shown = toy.avatar;
+        removePart(shown, offsetsAreTrue ? AvatarPart::ViewDependentColour : AvatarPart::CorrectiveOffsets);
+        toy.takePictures(shown);
+        toy.training.key = offsetsAreTrue ? "first" : "second";
+        const auto measured = measure(toy);
+        ASSERT_TRUE(measured) << measured.error().message;
+        ASSERT_EQ(measured->parts.size(), 3u);
+        const EvidenceData &offsets = rowOf(*measured, AvatarPart::CorrectiveOffsets),
+                           &colour = rowOf(*measured, AvatarPart::ViewDependentColour);
+        EXPECT_EQ(offsets.kept, offsetsAreTrue);
+        EXPECT_EQ(colour.kept, !offsetsAreTrue);
+        const EvidenceData &kept = offsetsAreTrue ? offsets : colour, &dropped = offsetsAreTrue ? colour : offsets;
+        EXPECT_GT(kept.gainDb, 0.5f);
+        EXPECT_LT(dropped.gainDb, -0.5f) << "the truth does not have this part";
+        EXPECT_GT(kept.bytes, 0u);
+        EXPECT_EQ(dropped.bytes, 0u);
+    }
+}
+
+TEST(StageEvidence, validationFramesDecideAgainstTrainingFrames) {
+    for (const bool validationShowsIt : {true, false}) {
+        ToyReconstruction toy;
+        toy.avatar.correctives = ballCorrectives(toy.avatar.mesh, {0.04f, 0, 0, 0}, {0, 0, 0.04f, 0});
+        AvatarData without = toy.avatar;
+        removePart(without, AvatarPart::CorrectiveOffsets);
+        toy.takePictures(validationShowsIt ? without : toy.avatar);
+        toy.takePictures(validationShowsIt ? toy.avatar : without, ToyReconstruction::kTrained);
+        for (size_t f = ToyReconstruction::kTrained; f < ToyReconstruction::kFrames; ++f)
+            toy.ingested.scan.frames[f].split = Split::Validation;
+        const auto measured = measure(toy);
+        ASSERT_TRUE(measured) << measured.error().message;
+        const EvidenceData& offsets = rowOf(*measured, AvatarPart::CorrectiveOffsets);
+        EXPECT_EQ(offsets.kept, validationShowsIt) << offsets.gainDb << " dB";
+        EXPECT_NE(offsets.reason.find("3 validation frames"), std::string::npos) << offsets.reason;
+    }
+}
+
+TEST(StageEvidence, closeupsAreJudgedByTheirDetailAlone) {
+    ToyReconstruction toy;
+    toy.avatar.correctives = ballCorrectives(toy.avatar.mesh, {0.04f, 0, 0, 0}, {0, 0, 0.04f, 0});
+    toy.takePictures(toy.avatar);
+    for (size_t f = ToyReconstruction::kTrained; f < ToyReconstruction::kFrames; ++f) toy.ingested.scan.frames[f].split = Split::Validation;
+    toy.ingested.scan.frames[ToyReconstruction::kTrained].kind = FrameKind::StaticCloseup;
+    const auto measured = measure(toy);
+    ASSERT_TRUE(measured) << measured.error().message;
+    const std::string& reason = rowOf(*measured, AvatarPart::CorrectiveOffsets).reason;
+    for (const char* part : {"2 validation frames", "on 1 close-ups", "flicker", "inside the body"})
+        EXPECT_NE(reason.find(part), std::string::npos) << reason;
+}
+
+TEST(StageEvidence, aMannequinYieldsNoNetworkAndEvenLightNoLight) {
+    for (const bool mannequin : {true, false}) {
+        ToyReconstruction toy;
+        toy.avatar.correctives = ballCorrectives(toy.avatar.mesh, {0.04f, 0, 0, 0.4f}, {0, 0, 0.04f, -0.4f});
+        AvatarData shown = toy.avatar;
+        removePart(shown, AvatarPart::CorrectiveLight);
+        if (mannequin) removePart(shown, AvatarPart::CorrectiveOffsets), dropEmptyCorrectives(shown);
+        toy.takePictures(shown);
+        const auto measured = measure(toy);
+        ASSERT_TRUE(measured) << measured.error().message;
+        AvatarData left = toy.avatar;
+        for (const PartEvidence& p : measured->parts)
+            if (!p.row.kept) removePart(left, p.part);
+        dropEmptyCorrectives(left);
+        EXPECT_FALSE(rowOf(*measured, AvatarPart::CorrectiveLight).kept);
+        EXPECT_EQ(left.correctives.empty(), mannequin);
+    }
+}
+
+TEST(StageEvidence, heldOutFramesDecideNothing) {
+    ToyReconstruction toy;
+    toy.avatar.correctives = ballCorrectives(toy.avatar.mesh, {0.04f, 0, 0, 0}, {0, 0, 0.04f, 0});
+    toy.takePictures(toy.avatar);
+    for (size_t f = ToyReconstruction::kTrained; f < ToyReconstruction::kFrames; ++f)
+        std::filesystem::remove(toy.ingested.scan.frames[f].imagePath);
+    const auto measured = measure(toy);
+    ASSERT_TRUE(measured) << measured.error().message;
+    const EvidenceData& offsets = rowOf(*measured, AvatarPart::CorrectiveOffsets);
+    EXPECT_TRUE(offsets.kept);
+    EXPECT_NE(offsets.reason.find("5 training frames"), std::string::npos) << offsets.reason;
+}
+
+TEST(StageEvidence, aPartWithTooSmallAGainIsDropped) {
+    ToyReconstruction toy;
+    toy.avatar.correctives = ballCorrectives(toy.avatar.mesh, {1e-5f, 0, 0, 0}, {0, 0, 1e-5f, 0});
+    toy.takePictures(toy.avatar);
+    const auto measured = measure(toy);
+    ASSERT_TRUE(measured) << measured.error().message;
+    const EvidenceData& offsets = rowOf(*measured, AvatarPart::CorrectiveOffsets);
+    EXPECT_FALSE(offsets.kept) << "10 µm are true, but nobody sees them";
+    EXPECT_NEAR(offsets.gainDb, 0, 0.05);
+    EXPECT_TRUE(rowOf(*measured, AvatarPart::ViewDependentColour).kept);
+}
+
+TEST(StageEvidence, saysWhatWasNotTrained) {
+    ToyReconstruction toy;
+    removePart(toy.avatar, AvatarPart::ViewDependentColour);
+    toy.takePictures(toy.avatar);
+    const auto measured = measure(toy);
+    ASSERT_TRUE(measured) << measured.error().message;
+    for (const PartEvidence& p : measured->parts) {
+        EXPECT_FALSE(p.row.kept);
+        EXPECT_TRUE(p.row.reason.starts_with("not trained")) << p.row.reason;
+    }
+}
+
+}  // namespace
+}  // namespace dpl::test

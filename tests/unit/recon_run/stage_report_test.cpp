@@ -1,0 +1,155 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <gtest/gtest.h>
+
+#include "reconstruction/judging/report/score.h"
+#include "reconstruction/subject/body/body_truth.h"
+#include "tests/unit/recon_run/toy_reconstruction.h"
+
+namespace dpl::test {
+namespace {
+
+class StageReport : public testing::Test {
+protected:
+    StageReport() {
+        toy_.takePictures(toy_.avatar);
+        toy_.avatar.evidence = {{"garment layer: top", true, 0, 0, "12 triangles"}, {"garment layer: hair", false, 0, 0, "not seen"}};
+        toy_.package.bytes = bytesOf(toy_.avatar);
+        for (size_t f = 0; f < ToyReconstruction::kFrames; ++f) {
+            const ScanFrame& frame = toy_.ingested.scan.frames[f];
+            const bool heldOut = frame.split == Split::Test;
+            FramePose pose{frame.name, "", heldOut ? "test" : "train", toy_.truth[f], std::nullopt};
+            pose.pose.rootTranslation.x += 0.02f;  // the registered pose is 2 cm off
+            if (heldOut) pose.fittedPose = toy_.truth[f];
+            found_.poses.frames.push_back(pose);
+        }
+        found_.key = "poses";
+    }
+    /** report.json, after a run of the stage. */
+    nlohmann::json report() {
+        Pictures pictures(toy_.ingested.scan);
+        const auto stage =
+            runReport(toy_.run, toy_.ingested, toy_.body, toy_.training, toy_.package, found_, mapped_, pictures, settingsOf({}));
+        if (!stage) throw std::runtime_error(stage.error().message);
+        folder_ = stage->folder;
+        return nlohmann::json::parse(text("report.json"));
+    }
+    /** A file of that run. */
+    std::string text(const char* file) const {
+        const auto bytes = must(readFile(folder_ / file));
+        return {bytes.begin(), bytes.end()};
+    }
+    /** Mean masked PSNR of frames, drawn in the given poses. */
+    double meanDb(const std::vector<size_t>& frames, const std::function<Pose(size_t)>& poseOf) {
+        AvatarView view = must(AvatarView::open(toy_.package.bytes, 2));
+        double sum = 0;
+        for (const size_t f : frames) {
+            const FramePicture picture = must(readFramePicture(toy_.ingested.scan.frames[f]));
+            sum += scorePicture(must(view.draw(poseOf(f), toy_.body.cameras[f])), picture.image, picture.mask).maskedPsnrDb;
+        }
+        return sum / double(frames.size());
+    }
+
+    ToyReconstruction toy_;
+    FoundPoses found_;
+    MappedBody mapped_{"What to film again, the most helpful first:\n  1. Film the face\n",
+                       {{"film_again", nlohmann::json::array()},
+                        {"places", nlohmann::json::array({{{"name", "the face"}, {"mm_per_pixel", 1.5}, {"pictures", 7}}})}},
+                       {},
+                       {},
+                       "map"};
+    std::filesystem::path folder_;
+};
+
+TEST_F(StageReport, beginsWithWhatToFilmAgain) {
+    const nlohmann::json json = report();
+    EXPECT_EQ(json["film_again"], mapped_.advice);
+    ASSERT_EQ(json["body_map"].size(), 1u);
+    EXPECT_EQ(json["body_map"][0]["place"], "the face");
+    EXPECT_EQ(json["body_map"][0]["mm_per_pixel"], 1.5);
+    const std::string html = text("report.html"), summary = text("summary.txt");
+    EXPECT_LT(html.find("<li>Film the face</li>"), html.find("Quality on held-out frames"));
+    EXPECT_EQ(summary.find(mapped_.advice), 0u);
+}
+
+TEST_F(StageReport, scoresTheHeldOutFramesAndWritesItsFiles) {
+    const nlohmann::json json = report();
+    std::vector<std::string> names;
+    for (const auto& frame : json["frames"]) names.push_back(frame["name"]);
+    EXPECT_EQ(names, (std::vector<std::string>{"frame_5", "frame_6", "frame_7"})) << "held-out frames alone";
+    const auto registered = [&](size_t f) { return found_.poses.frames[f].pose; };
+    const auto fitted = [&](size_t f) { return *found_.poses.frames[f].fittedPose; };
+    const auto mean = [&](const char* kind, const char* which) { return json["means"][kind][which]["masked_psnr_db"].get<double>(); };
+    EXPECT_NEAR(mean("static", "with_pose_fit"), meanDb({5, 6}, fitted), 1e-9);
+    EXPECT_NEAR(mean("static", "without_pose_fit"), meanDb({5, 6}, registered), 1e-9);
+    EXPECT_NEAR(mean("dynamic", "with_pose_fit"), meanDb({7}, fitted), 1e-9);
+    EXPECT_NEAR(mean("dynamic", "without_pose_fit"), meanDb({7}, registered), 1e-9);
+    EXPECT_GT(mean("static", "with_pose_fit"), mean("static", "without_pose_fit") + 3);
+    EXPECT_EQ(json["limits"], nlohmann::json({"hair as a layer of its own: not seen"}));
+
+    EXPECT_TRUE(text("report.html").starts_with("<!doctype html>"));
+    char headline[64];
+    std::snprintf(headline, sizeof headline, "masked PSNR %.2f dB", mean("static", "with_pose_fit"));
+    EXPECT_NE(text("summary.txt").find(headline), std::string::npos);
+}
+
+TEST_F(StageReport, endsWithWordsForWhoFilmed) {
+    toy_.training.steps = 300;
+    const nlohmann::json json = report();
+    const std::string summary = text("summary.txt");
+    const size_t verdict = summary.find("\n\n" + json["in_words"].get<std::string>() + "\nThis is a draft: it was trained for 300 steps");
+    ASSERT_NE(verdict, std::string::npos) << summary;
+    EXPECT_LT(summary.find("bars met"), verdict) << "the figures stay, above the words";
+    EXPECT_EQ(summary.find("dB", verdict), std::string::npos);
+    EXPECT_NE(text("report.html").find("<p class=verdict>" + json["in_words"].get<std::string>()), std::string::npos);
+}
+
+TEST_F(StageReport, warningsOfTheCheckStandUnderWhatToFilmAgain) {
+    toy_.ingested.check = R"({"findings": [{"topic": "blur", "sentence": "3 pictures are soft"}]})";
+    report();
+    const std::string html = text("report.html");
+    EXPECT_LT(html.find("What to film again"), html.find("<li>3 pictures are soft</li>"));
+    EXPECT_LT(html.find("<li>3 pictures are soft</li>"), html.find("<details>"));
+}
+
+TEST_F(StageReport, opensWithThePersonFromTheFront) {
+    report();
+    const std::string html = text("report.html");
+    // The camera of frame 0 looks at the front (+Z).
+    EXPECT_LT(html.find("<img alt=\"the avatar, drawn as the camera of frame_0 saw the person\""), html.find("<h1>"));
+}
+
+TEST_F(StageReport, comparesWithTheTruthAndSaysWhoseBodyItIs) {
+    // The truth of the moving held-out frame is 20 mm beside the fit.
+    toy_.body.shaped.keypoints = {{"root", {}, {{0, 1.0f}}}, {"top", {}, {{1, 1.0f}}}};
+    toy_.ingested.scan.keypointNames = {"root", "top"};
+    toy_.ingested.scan.name = "procedural-1";
+    nlohmann::json points;
+    for (const PosedKeypoint& k : posedKeypoints(toy_.body.shaped, toy_.truth[7], toy_.ingested.scan.keypointNames))
+        points.push_back({k.place.x + 0.02, -k.place.z, k.place.y});  // truth.json is z-up
+    const nlohmann::json truth = {{"shape", {{"body", "ball"}}}, {"frames", {{{"name", "frame_7"}, {"keypoints_world", points}}}}};
+    ASSERT_TRUE(writeFileAtomically(toy_.ingested.scan.root / "truth.json", truth.dump()));
+    const nlohmann::json json = report();
+    size_t figures = 0;
+    for (const auto& figure : json["figures"]) {
+        if (figure["name"] != "keypoints, mean" || figure["group"].get<std::string>().find("after the body fit") == std::string::npos)
+            continue;
+        ++figures;
+        EXPECT_NEAR(figure["value"].get<double>(), 20, 0.01);
+        EXPECT_EQ(figure["bar"]["at_most"], 15);
+        EXPECT_FALSE(figure["bar"]["met"]);
+    }
+    EXPECT_EQ(figures, 1u);
+    ASSERT_EQ(json["provenance"].size(), 2u);
+    EXPECT_TRUE(json["provenance"][0].get<std::string>().starts_with("Development set:"));
+    EXPECT_NE(json["provenance"][1].get<std::string>().find("same body model"), std::string::npos);
+
+    toy_.body.shaped.name = "another";
+    toy_.ingested.scan.name = "toy";
+    found_.key = "other poses";  // else the stage is reused
+    const nlohmann::json other = report();
+    ASSERT_EQ(other["provenance"].size(), 1u);
+    EXPECT_TRUE(other["provenance"][0].get<std::string>().starts_with("Not of the development set, by its name."));
+}
+
+}  // namespace
+}  // namespace dpl::test
