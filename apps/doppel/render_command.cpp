@@ -12,8 +12,8 @@
 #include "apps/shared/video_writer.h"
 #include "reconstruction/base/image_codec.h"
 #include "reconstruction/output/package/avatar_bytes.h"
+#include "reconstruction/run/frame_table.h"
 #include "reconstruction/run/run_scan.h"
-#include "reconstruction/run/train_frames.h"
 #include "sdk/core/files.h"
 
 namespace dpl {

@@ -21,7 +21,7 @@ Result<std::string> publishedLine(const Scan& scan, const FrameSet& heldOut, Ava
     for (size_t i = 0; i < heldOut.frames.size(); ++i) {
         const TrainFrame& frame = heldOut.frames[i];
         if (!tell(double(i) / double(heldOut.frames.size()), frame.name + ", published protocol")) return fail(Code::Cancelled, "stopped");
-        const FramePose& found = poses.frames[heldOut.indices[i]];
+        const FramePose& found = poses.frames[heldOut.rows[i]];
         DPL_TRY(const auto rgba, view.draw(found.fittedPose ? *found.fittedPose : found.pose, frame.camera));
         auto score = scoreAsPublished(rgba, frame.picture->image, frame.picture->mask, lpips);
         if (!score) return fail(score.error().code, "frame '{}': {}", frame.name, score.error().message);
@@ -44,19 +44,19 @@ Result<std::string> evaluateAvatar(const EvaluateOptions& options, Progress& pro
     const std::filesystem::path posesPath = options.poses.empty() ? options.avatar.parent_path() / "poses.json" : options.poses;
     DPL_TRY(const auto bytes, readAvatarBytes(options.avatar));
     DPL_TRY(const AvatarData avatar, avatarOf(options.avatar, bytes, "poses"));
-    IngestedScan ingested;
+    FrameTable table;
     DPL_TRY(RunScan shown, readRunScan(options.scan, posesPath));
-    ingested.scan = std::move(shown.scan);
+    table.scan = std::move(shown.scan);
     const PosesFile& poses = shown.poses;
     const std::vector<Camerad>& cameras = shown.cameras;
-    if (!options.lpips.empty() && ingested.scan.protocol.empty())
+    if (!options.lpips.empty() && table.scan.protocol.empty())
         return fail(Code::InvalidArgument, "{} states no published protocol, so LPIPS has no use; leave --lpips out",
                     options.scan.string());
     std::optional<Lpips> lpips;
     if (!options.lpips.empty()) {
         DPL_TRY(lpips, Lpips::load(options.lpips));
     }
-    ingested.usable.assign(ingested.scan.frames.size(), true);
+    table.usable.assign(table.scan.frames.size(), true);
     if (poses.jointNames.size() != avatar.joints.size())
         return fail(Code::InvalidArgument, "{} poses {} joints, the avatar has {}; name the poses.json of its reconstruction with --poses",
                     posesPath.string(), poses.jointNames.size(), avatar.joints.size());
@@ -68,33 +68,32 @@ Result<std::string> evaluateAvatar(const EvaluateOptions& options, Progress& pro
     std::vector<Pose> registered;
     for (const FramePose& frame : poses.frames) registered.push_back(frame.pose);
     Jobs jobs(options.threadCount);
-    Pictures pictures(ingested.scan);
     const auto tell = [&](double share, const std::string& what) {
         progress.update(share, what);
         return !progress.cancelled();
     };
     ReportData data;
-    data.title = "Doppel: " + ingested.scan.name;
-    data.facts = {{"scan", ingested.scan.root.filename().string()}, {"avatar", options.avatar.string()}};
+    data.title = "Doppel: " + table.scan.name;
+    data.facts = {{"scan", table.scan.root.filename().string()}, {"avatar", options.avatar.string()}};
     progress.beginStage("evaluate");
     DPL_TRY(auto view, AvatarView::open(bytes, options.threadCount));
-    DPL_TRY(const LabelColours labelColours, gatherLabelColours(ingested, pictures));
+    DPL_TRY(const LabelColours labelColours, gatherLabelColours(table));
     for (const auto& [split, frames] : {std::pair{Split::Test, &data.frames}, {Split::Validation, &data.validation}}) {
-        DPL_TRY(const FrameSet set, framesOf(ingested, split, cameras, registered, pictures));
+        DPL_TRY(const FrameSet set, table.frames(split, cameras, registered));
         DPL_TRY(*frames, scoreFrames(labelColours, set, avatar, view, poses, split == Split::Test, jobs, tell));
     }
     if (data.frames.empty() && data.validation.empty())
         return fail(Code::NotFound, "{} has no mask of a held-out or validation frame, and scores are taken inside masks; add their masks",
                     options.scan.string());
     std::string summary = scoreLines(data.frames, "held-out") + scoreLines(data.validation, "validation");
-    if (!ingested.scan.protocol.empty()) {
-        DPL_TRY(const FrameSet heldOut, framesOf(ingested, Split::Test, cameras, registered, pictures));
-        DPL_TRY(const std::string line, publishedLine(ingested.scan, heldOut, view, poses, lpips ? &*lpips : nullptr, tell));
+    if (!table.scan.protocol.empty()) {
+        DPL_TRY(const FrameSet heldOut, table.frames(Split::Test, cameras, registered));
+        DPL_TRY(const std::string line, publishedLine(table.scan, heldOut, view, poses, lpips ? &*lpips : nullptr, tell));
         summary += line;
     }
     if (!summary.empty()) summary.erase(0, 1);
     if (options.ladder) {
-        DPL_TRY(data.ladder, measureLadder({ingested.scan, cameras, avatar, poses, tell}, jobs));
+        DPL_TRY(data.ladder, measureLadder({table.scan, cameras, avatar, poses, tell}, jobs));
         if (!data.ladder)
             return fail(Code::NotFound, "{} has no truth (truth.json, geometry/), which the ladder needs; leave --ladder out",
                         options.scan.string());

@@ -3,7 +3,8 @@
 
 #include "reconstruction/base/folder_lock.h"
 #include "reconstruction/run/camera_errors.h"
-#include "reconstruction/run/stages.h"
+#include "reconstruction/run/stage_cameras.h"
+#include "reconstruction/run/stage_observe.h"
 
 namespace dpl {
 
@@ -12,17 +13,14 @@ Result<std::string> findCameras(const FindCamerasOptions& options, Progress& pro
     std::filesystem::create_directories(options.out, error);
     if (error) return fail(Code::Io, "cannot create {}: {}; choose another output with -o", options.out.string(), error.message());
     DPL_TRY([[maybe_unused]] const FolderLock lock, FolderLock::take(options.out));
-    DPL_TRY(Scan scan, readScan(options.scan, ScanCameras::MayLack));
+    DPL_TRY(Scan given, readScan(options.scan, ScanCameras::MayLack));
+    if (!given.camerasKnown && options.heightM > 0) given.subjectHeightM = options.heightM;
     Jobs jobs;
     StageChain chain(options.out, progress);
-    const StageRun run{chain, jobs, progress};
-    if (scan.camerasKnown) {
-        DPL_TRY(std::optional<Scan> repaired, runCameraRepair(run, scan));
-        if (repaired) scan = std::move(*repaired);
-    } else {
-        if (options.heightM > 0) scan.subjectHeightM = options.heightM;
-        DPL_TRY(scan, runCameras(run, scan));
-    }
+    Run run(chain, jobs, progress);
+    run.put(SeenScan{std::move(given), {}}, "scan");  // as it is: no networks look at it
+    DPL_TRY(const PlacedScan* placed, run.get<PlacedScan>());
+    const Scan& scan = placed->scan;
     std::string summary = chain.records().empty()
                               ? std::string("the scan has cameras, and its keypoints agree with them\n")
                               : formatText("wrote {}\n", (options.out / "stages" / "cameras" / "cameras.json").string());

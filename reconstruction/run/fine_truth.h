@@ -6,7 +6,7 @@
 #include <optional>
 #include <vector>
 
-#include "reconstruction/training/trainer/train_images.h"
+#include "reconstruction/input/capture/train_frame.h"
 
 namespace dpl {
 

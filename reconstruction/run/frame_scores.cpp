@@ -8,11 +8,11 @@
 
 namespace dpl {
 
-Result<LabelColours> gatherLabelColours(const IngestedScan& ingested, Pictures& pictures) {
+Result<LabelColours> gatherLabelColours(const FrameTable& table) {
     LabelColours colours;
-    for (size_t f = 0; f < ingested.scan.frames.size(); ++f) {
-        if (!isTrainingFrame(ingested, f) || ingested.scan.frames[f].kind == FrameKind::StaticCloseup) continue;
-        DPL_TRY(const auto picture, pictures.of(f));
+    for (size_t row = 0; row < table.rows(); ++row) {
+        if (!table.trains(row) || table.scan.frames[row].kind == FrameKind::StaticCloseup) continue;
+        DPL_TRY(const auto picture, table.picture(row));
         colours.add(picture->image, picture->mask, picture->labels);
     }
     return colours;
@@ -29,7 +29,7 @@ Result<std::vector<HeldOutFrame>> scoreFrames(const LabelColours& labelColours, 
         if (!progress(double(i) / double(set.frames.size()), frame.name)) return fail(Code::Cancelled, "stopped");
         const ImageRgb8& image = frame.picture->image;
         const ImageGrey8 &mask = frame.picture->mask, &labels = frame.picture->labels;
-        const FramePose& found = poses.frames[set.indices[i]];
+        const FramePose& found = poses.frames[set.rows[i]];
         const Pose& fitted = found.fittedPose ? *found.fittedPose : found.pose;
         HeldOutFrame out;
         out.name = frame.name;

@@ -9,12 +9,12 @@
 #include "reconstruction/judging/report/report.h"
 #include "reconstruction/judging/report/score.h"
 #include "reconstruction/output/package/poses_file.h"
-#include "reconstruction/run/train_frames.h"
+#include "reconstruction/run/frame_table.h"
 
 namespace dpl {
 
 /** The label baseline: one colour a label, from training frames. */
-Result<LabelColours> gatherLabelColours(const IngestedScan& ingested, Pictures& pictures);
+Result<LabelColours> gatherLabelColours(const FrameTable& table);
 
 /** Draws each frame of `set` in the poses found for it, and scores both pictures and both floors. poses: one a frame of the scan.
  *  withPictures: keep truth, render and difference for the page. progress: share done and a frame's name; false cancels. */

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "reconstruction/training/trainer/train_images.h"
+#include "reconstruction/input/capture/train_frame.h"
 #include "sdk/core/jobs.h"
 #include "sdk/format/avatar_data.h"
 

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // From a scan folder to an avatar.
 //
-//   (observe, with networks →) (cameras, where unknown →) ingest → body-fit → surface → body-map → garments → register
-//   → co-optimise → evidence → package → pose-fit → report
+//   (observe, with networks →) (cameras, where unknown →) (closeups, with networks →) ingest → body-fit → surface → body-map → garments
+//   → register → co-optimise → evidence → package → pose-fit → report
+//
+// The stages are a graph (graph.h), and each function here asks it for other artefacts.
 #pragma once
 
 #include <filesystem>

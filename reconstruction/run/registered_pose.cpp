@@ -10,11 +10,11 @@ Quatf shorterSlerp(const Quatf& a, const Quatf& b, float t) {
 
 }  // namespace
 
-std::vector<const Pose*> trainedPoses(const IngestedScan& ingested, const CoOptimiseResult& trained) {
-    std::vector<const Pose*> byFrame(ingested.scan.frames.size(), nullptr);
+std::vector<const Pose*> trainedPoses(const FrameTable& table, const CoOptimiseResult& trained) {
+    std::vector<const Pose*> byFrame(table.rows(), nullptr);
     size_t next = 0;
     for (size_t f = 0; f < byFrame.size() && next < trained.poses.size(); ++f)
-        if (isTrainingFrame(ingested, f)) byFrame[f] = &trained.poses[next++];
+        if (table.trains(f)) byFrame[f] = &trained.poses[next++];
     return byFrame;
 }
 

@@ -4,13 +4,13 @@
 
 #include <vector>
 
-#include "reconstruction/run/train_frames.h"
+#include "reconstruction/run/frame_table.h"
 #include "reconstruction/training/trainer/co_optimise.h"
 
 namespace dpl {
 
 /** The trained pose of each frame of the scan; null for frames that were not trained on. */
-std::vector<const Pose*> trainedPoses(const IngestedScan& ingested, const CoOptimiseResult& trained);
+std::vector<const Pose*> trainedPoses(const FrameTable& table, const CoOptimiseResult& trained);
 
 /** The registered pose of a validation or held-out frame; it does not use the frame's picture. Training moves poses and surface together,
  *  so the registered pose alone would not match the trained surface.

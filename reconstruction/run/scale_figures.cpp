@@ -36,7 +36,7 @@ Status addScaleFigures(const std::filesystem::path& scan, Progress& progress, Av
             }
             if (!truth && fine) continue;
             if (!truth) truth = FineTruth{cutOut(frame.picture->image, frame.picture->mask), frame.camera.widthPx, frame.camera.heightPx};
-            const FramePose& found = poses.frames[heldOut.indices[i]];
+            const FramePose& found = poses.frames[heldOut.rows[i]];
             for (size_t s = 0; s < std::size(kScales); ++s) {
                 const Camerad camera = frame.camera.scaled(kScales[s]);
                 if (double(camera.widthPx) * camera.heightPx > kMaxPixels || camera.widthPx == 0 || camera.heightPx == 0) continue;

@@ -5,8 +5,8 @@
 #include "reconstruction/judging/report/draw_view.h"
 #include "reconstruction/judging/report/report.h"
 #include "reconstruction/output/package/poses_file.h"
+#include "reconstruction/run/frame_table.h"
 #include "reconstruction/run/progress.h"
-#include "reconstruction/run/train_frames.h"
 
 namespace dpl {
 

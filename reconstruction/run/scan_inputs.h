@@ -4,7 +4,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "reconstruction/run/train_frames.h"
+#include "reconstruction/run/frame_table.h"
 
 namespace dpl {
 

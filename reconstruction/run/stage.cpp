@@ -7,7 +7,6 @@
 #include <xxhash.h>
 
 #include <algorithm>
-#include <cctype>
 #include <chrono>
 #include <cmath>
 #include <cstdio>
@@ -121,6 +120,10 @@ std::string hashText(std::string_view text) {
     return hashBytes({reinterpret_cast<const uint8_t*>(text.data()), text.size()});
 }
 
+std::string stageKey(const std::string& name, uint32_t version, const json& inputs) {
+    return hashText(json{{"stage", name}, {"version", version}, {"inputs", inputs}}.dump());
+}
+
 Result<std::string> hashFile(const fs::path& path) {
     DPL_TRY(auto bytes, readFile(path));
     return hashBytes(bytes);
@@ -129,12 +132,10 @@ Result<std::string> hashFile(const fs::path& path) {
 StageChain::StageChain(fs::path outFolder, Progress& progress)
     : outFolder_(std::move(outFolder)), stagesFolder_(outFolder_ / "stages"), progress_(progress) {}
 
-Result<StageOutput> StageChain::run(const std::string& name, uint32_t version, const json& stageInputs,
+Result<StageOutput> StageChain::run(const std::string& name, uint32_t version, const json& inputs,
                                     const std::function<Status(StageContext&)>& work) {
-    json inputs = stageInputs;
-    inputs["priors"] = DOPPEL_PRIORS;
     const fs::path folder = stagesFolder_ / name, workFolder = folder.string() + ".work";
-    const std::string key = hashText(json{{"stage", name}, {"version", version}, {"inputs", inputs}}.dump());
+    const std::string key = stageKey(name, version, inputs);
 
     progress_.beginStage(name);
     std::error_code ignored;
@@ -185,19 +186,6 @@ Result<StageOutput> StageChain::run(const std::string& name, uint32_t version, c
     progress_.detail(
         formatText("{} took {} s and at most {} MiB of memory; files in {}", name, std::lround(seconds), peakBytes >> 20, folder.string()));
     return StageOutput{folder, key};
-}
-
-std::vector<std::string> StageChain::numberedFolders() const {
-    std::vector<std::string> names;
-    std::error_code error;
-    for (const fs::directory_entry& entry : fs::directory_iterator(stagesFolder_, error)) {
-        const std::string name = entry.path().filename().string();
-        if (name.size() > 3 && std::isdigit(static_cast<unsigned char>(name[0])) && std::isdigit(static_cast<unsigned char>(name[1])) &&
-            name[2] == '-')
-            names.push_back(name);
-    }
-    std::sort(names.begin(), names.end());
-    return names;
 }
 
 }  // namespace dpl

@@ -23,6 +23,9 @@ std::string hashBytes(std::span<const uint8_t> bytes);
 std::string hashText(std::string_view text);
 Result<std::string> hashFile(const std::filesystem::path& path);
 
+/** The key of a stage: a hash of its name, its version and its inputs. */
+std::string stageKey(const std::string& name, uint32_t version, const nlohmann::json& inputs);
+
 struct StageRecord {
     std::string name;
     double seconds = 0;
@@ -48,18 +51,15 @@ public:
     StageChain(std::filesystem::path outFolder, Progress& progress);
 
     /** Runs `work` unless a finished folder with the same key exists and each of its files is as it was written; a note says which is not.
-     * `stageInputs` holds every value that the result depends on: settings, hashes of input files, keys of earlier stages; not the priors
-     * (priors.h), which belong to the key of every stage. `version` must change when the code makes other files from the same inputs. */
-    Result<StageOutput> run(const std::string& name, uint32_t version, const nlohmann::json& stageInputs,
+     * `inputs` holds every value that the result depends on: settings, hashes of input files, keys of earlier stages, priors. `version`
+     * must change when the code makes other files from the same inputs. */
+    Result<StageOutput> run(const std::string& name, uint32_t version, const nlohmann::json& inputs,
                             const std::function<Status(StageContext&)>& work);
 
     const std::filesystem::path& outFolder() const { return outFolder_; }
 
     /** One record a stage, in the order of the runs. */
     const std::vector<StageRecord>& records() const { return records_; }
-
-    /** Names of stage folders in the numbered layout of earlier versions ("03-body-fit"). Nothing reads or removes these folders. */
-    std::vector<std::string> numberedFolders() const;
 
 private:
     std::filesystem::path outFolder_, stagesFolder_;

@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "reconstruction/run/stage_body_fit.h"
+
 #include <cmath>
 
 #include "reconstruction/run/fit_file.h"
+#include "reconstruction/run/run_request.h"
 #include "reconstruction/run/scan_inputs.h"
-#include "reconstruction/run/stage_keys.h"
-#include "reconstruction/run/stages.h"
+#include "reconstruction/run/settings_json.h"
+#include "reconstruction/run/stage_ingest.h"
 #include "reconstruction/subject/body/body_io.h"
 #include "reconstruction/subject/body/body_tools.h"
 #include "reconstruction/subject/body/rest_shoulders.h"
@@ -14,10 +17,17 @@
 
 namespace dpl {
 
-Result<ChosenBody> chooseBody(const std::filesystem::path& file, Jobs& jobs) {
+Status StageOf<ChosenBody>::inputs(StageInputs& in) {
+    DPL_TRY([[maybe_unused]] const RunRequest* request, in.part<RunRequest>());
+    return {};
+}
+
+Result<ChosenBody> StageOf<ChosenBody>::compute(StageInputs& in) {
+    DPL_TRY(const RunRequest* request, in.of<RunRequest>());
+    const std::filesystem::path& file = request->options.body;
     ChosenBody chosen;
     if (file.empty()) {
-        chosen.body = withBoneMorphs(makeBuiltinBody(jobs));
+        chosen.body = withBoneMorphs(makeBuiltinBody(in.jobs()));
     } else {
         DPL_TRY(chosen.body, readBody(file));
     }
@@ -28,41 +38,67 @@ Result<ChosenBody> chooseBody(const std::filesystem::path& file, Jobs& jobs) {
     return chosen;
 }
 
-Result<FittedBody> readFittedBody(const StageOutput& stage, const IngestedScan& ingested, const BodyModel& body) {
+FittedBody fittedBody(const BodyModel& body, BodyFit fit) {
     FittedBody fitted;
-    fitted.key = stage.key;
-    DPL_TRY(fitted.fit, readFitFile(stage.folder / "fit.json", ingested.scan.frames.size(), body.joints.size(), body.morphs.size()));
+    fitted.fit = std::move(fit);
     fitted.shaped = shapedBody(body, fitted.fit.shape);
     restShouldersAsScanned(fitted.shaped, fitted.fit);
-    for (const ScanFrame& frame : ingested.scan.frames) fitted.cameras.push_back(metricCamera(frame.camera, fitted.fit.metresPerUnit));
+    fitted.poses.poses = fitted.fit.poses;
     return fitted;
 }
 
-Result<FittedBody> runBodyFit(const StageRun& run, const IngestedScan& ingested, const ChosenBody& chosen) {
-    BodyFitSettings settings;
+Status StageOf<FittedBody>::inputs(StageInputs& in) {
+    DPL_TRY(const FrameTable* table, in.part<FrameTable>());
+    DPL_TRY(const ChosenBody* chosen, in.part<ChosenBody>());
     // The fit reads the keypoints of every frame and the masks of training frames. Poses of other frames start from their keypoints, and
     // the stages after it draw them with their cameras.
-    nlohmann::json inputs = {{"posed", posedInputs(ingested.scan, ingested.hashes)},
-                             {"keypoint_sigma", keypointSigma(ingested.scan)},
-                             {"training", ingested.trainingHash},
-                             {"body", chosen.hash},
-                             {"settings", fieldsJson(settings)}};
-    if (!ingested.scan.metricWorld && ingested.scan.subjectHeightM > 0) inputs["height"] = ingested.scan.subjectHeightM;
-    DPL_TRY(const StageOutput stage, run.chain.run("body-fit", 12, inputs, [&](StageContext& context) -> Status {
-        settings.progress = [&](double fraction, std::string_view what) {
-            context.progress.update(fraction, what);
-            return !context.progress.cancelled();
-        };
-        DPL_TRY(BodyFit fit, fitBody(chosen.body, ingested.scan, settings));
-        if (const std::string swaps = describeSwaps(ingested.scan, fit.swapped); !swaps.empty()) context.progress.note(swaps);
-        if (fit.metresPerUnit != 1)
-            context.progress.note(formatText("one unit of the scan's world is {} m, by the size of the person in it",
-                                             std::round(1000 * fit.metresPerUnit) / 1000));
-        else if (!ingested.scan.unitStated)
-            context.progress.note("the scan's world is taken to be in metres: the person in it is of a human size");
-        return writeFileAtomically(context.folder / "fit.json", fitToJson(fit));
-    }));
-    return readFittedBody(stage, ingested, chosen.body);
+    in.value("posed", posedInputs(table->scan, table->hashes));
+    in.value("keypoint_sigma", keypointSigma(table->scan));
+    in.value("training", table->trainingHash);
+    in.value("body", chosen->hash);
+    in.value("settings", fieldsJson(BodyFitSettings()));
+    if (!table->scan.metricWorld && table->scan.subjectHeightM > 0) in.value("height", table->scan.subjectHeightM);
+    return {};
+}
+
+Status StageOf<FittedBody>::make(StageInputs& in, StageContext& context) {
+    DPL_TRY(const FrameTable* table, in.of<FrameTable>());
+    DPL_TRY(const ChosenBody* chosen, in.of<ChosenBody>());
+    const Scan& scan = table->scan;
+    BodyFitSettings settings;
+    settings.progress = [&](double fraction, std::string_view what) {
+        context.progress.update(fraction, what);
+        return !context.progress.cancelled();
+    };
+    DPL_TRY(BodyFit fit, fitBody(chosen->body, scan, settings));
+    if (const std::string swaps = describeSwaps(scan, fit.swapped); !swaps.empty()) context.progress.note(swaps);
+    if (fit.metresPerUnit != 1)
+        context.progress.note(formatText("one unit of the scan's world is {} m, by the size of the person in it",
+                                         std::round(1000 * fit.metresPerUnit) / 1000));
+    else if (!scan.unitStated)
+        context.progress.note("the scan's world is taken to be in metres: the person in it is of a human size");
+    return writeFileAtomically(context.folder / "fit.json", fitToJson(fit));
+}
+
+Result<FittedBody> StageOf<FittedBody>::read(StageInputs& in, const std::filesystem::path& folder) {
+    DPL_TRY(const FrameTable* table, in.of<FrameTable>());
+    DPL_TRY(const ChosenBody* chosen, in.of<ChosenBody>());
+    DPL_TRY(BodyFit fit, readFitFile(folder / "fit.json", table->rows(), chosen->body.joints.size(), chosen->body.morphs.size()));
+    return fittedBody(chosen->body, std::move(fit));
+}
+
+Status StageOf<MetricCameras>::inputs(StageInputs& in) {
+    DPL_TRY([[maybe_unused]] const FrameTable* table, in.part<FrameTable>());
+    DPL_TRY([[maybe_unused]] const FittedBody* body, in.part<FittedBody>());
+    return {};
+}
+
+Result<MetricCameras> StageOf<MetricCameras>::compute(StageInputs& in) {
+    DPL_TRY(const FrameTable* table, in.of<FrameTable>());
+    DPL_TRY(const FittedBody* body, in.of<FittedBody>());
+    MetricCameras out;
+    for (const ScanFrame& frame : table->scan.frames) out.cameras.push_back(metricCamera(frame.camera, body->fit.metresPerUnit));
+    return out;
 }
 
 }  // namespace dpl

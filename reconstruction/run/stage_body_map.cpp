@@ -1,16 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
-// The stage body-map: how the still training pictures show the fitted surface, and what to film again.
+#include "reconstruction/run/stage_body_map.h"
+
 #include "reconstruction/judging/coach/joint_map.h"
 #include "reconstruction/judging/coach/map_pictures.h"
 #include "reconstruction/judging/coach/shots.h"
-#include "reconstruction/run/stages.h"
+#include "reconstruction/run/stage_body_fit.h"
+#include "reconstruction/run/stage_ingest.h"
+#include "reconstruction/run/stage_surface.h"
 #include "sdk/core/files.h"
 #include "sdk/format/capture_map.h"
 
 namespace dpl {
 namespace {
 
-using nlohmann::json;
 using nlohmann::ordered_json;
 
 constexpr const char* kPictureFiles[] = {"pixel.png", "pictures.png", "blur.png"};
@@ -30,26 +32,38 @@ ordered_json figuresJson(const FilmAgain& advice) {
     return out;
 }
 
-Status mapSurface(const StageRun& run, const IngestedScan& ingested, const FittedBody& body, const FittedSurface& surface,
-                  Pictures& pictures, StageContext& context) {
-    MeshData mesh = body.shaped.mesh;
-    for (size_t v = 0; v < mesh.restPositions.size(); ++v) mesh.restPositions[v] += surface.restOffsets[v];
+}  // namespace
+
+Status StageOf<MappedBody>::inputs(StageInputs& in) {
+    DPL_TRY(const FrameTable* table, in.part<FrameTable>());
+    DPL_TRY([[maybe_unused]] const MetricCameras* cameras, in.part<MetricCameras>());
+    DPL_TRY([[maybe_unused]] const FittedBody* body, in.part<FittedBody>());
+    in.value("training", table->trainingHash);
+    return in.use<FittedSurface>();
+}
+
+Status StageOf<MappedBody>::make(StageInputs& in, StageContext& context) {
+    DPL_TRY(const FrameTable* table, in.of<FrameTable>());
+    DPL_TRY(const MetricCameras* metric, in.of<MetricCameras>());
+    DPL_TRY(const FittedBody* body, in.of<FittedBody>());
+    DPL_TRY(const FittedSurface* surface, in.of<FittedSurface>());
+    const MeshData mesh = surface->clothed(body->shaped.mesh);
     std::vector<std::shared_ptr<const FramePicture>> kept;
     std::vector<PosedPicture> stills;
-    for (size_t f = 0; f < ingested.scan.frames.size(); ++f) {
-        const ScanFrame& frame = ingested.scan.frames[f];
-        if (frame.kind == FrameKind::Dynamic || !isTrainingFrame(ingested, f)) continue;
-        DPL_TRY(kept.emplace_back(), pictures.of(f));
-        stills.push_back({*kept.back(), body.cameras[f], surface.poses[f], frame.kind == FrameKind::StaticCloseup});
+    for (size_t row = 0; row < table->rows(); ++row) {
+        const FrameKind kind = table->scan.frames[row].kind;
+        if (kind == FrameKind::Dynamic || !table->trains(row)) continue;
+        DPL_TRY(kept.emplace_back(), table->picture(row));
+        stills.push_back({*kept.back(), metric->cameras[row], surface->poses[row], kind == FrameKind::StaticCloseup});
     }
-    const std::vector<JointData>& joints = body.shaped.joints;
+    const std::vector<JointData>& joints = body->shaped.joints;
     const std::vector<BodyPlace> places = placesOf(joints, mesh);
     const auto tell = [&](double share) {
         context.progress.update(0.8 * share, formatText("{} still pictures", stills.size()));
         return !context.progress.cancelled();
     };
-    DPL_TRY(const std::vector<SeenTriangle> map, mapBody(mesh, joints, stills, tell, run.jobs));
-    const FilmAgain advice = bestShots(mesh, joints, places, map, stills, run.jobs);
+    DPL_TRY(const std::vector<SeenTriangle> map, mapBody(mesh, joints, stills, tell, in.jobs()));
+    const FilmAgain advice = bestShots(mesh, joints, places, map, stills, in.jobs());
     const CaptureMapData capture = captureMapOf(mesh, joints.size(), map, advice.viewable);
     DPL_CHECK_OK(checkCaptureMap(capture, joints.size()));
     DPL_CHECK_OK(writeFileAtomically(context.folder / "capture_map.bin", encodeCaptureMap(capture)));
@@ -59,26 +73,19 @@ Status mapSurface(const StageRun& run, const IngestedScan& ingested, const Fitte
     return writeFileAtomically(context.folder / "film_again.txt", describeShots(advice));
 }
 
-}  // namespace
-
-Result<MappedBody> runBodyMap(const StageRun& run, const IngestedScan& ingested, const FittedBody& body, const FittedSurface& surface,
-                              Pictures& pictures) {
-    const json inputs = {{"training", ingested.trainingHash}, {"surface", surface.key}};
-    DPL_TRY(const StageOutput stage, run.chain.run("body-map", 3, inputs, [&](StageContext& context) {
-        return mapSurface(run, ingested, body, surface, pictures, context);
-    }));
+Result<MappedBody> StageOf<MappedBody>::read(StageInputs& in, const std::filesystem::path& folder) {
+    DPL_TRY(const FittedBody* body, in.of<FittedBody>());
     MappedBody mapped;
-    mapped.key = stage.key;
-    DPL_TRY(const auto text, readFile(stage.folder / "film_again.txt"));
+    DPL_TRY(const auto text, readFile(folder / "film_again.txt"));
     mapped.advice.assign(text.begin(), text.end());
-    DPL_TRY(const auto figures, readFile(stage.folder / "map.json"));
+    DPL_TRY(const auto figures, readFile(folder / "map.json"));
     mapped.figures = ordered_json::parse(figures.begin(), figures.end(), nullptr, /*allow_exceptions=*/false);
     if (!mapped.figures.is_object() || !mapped.figures.contains("places") || !mapped.figures.contains("film_again"))
-        return fail(Code::CorruptData, "{} is damaged; delete it and run again", (stage.folder / "map.json").string());
-    DPL_TRY(const auto capture, readFile(stage.folder / "capture_map.bin"));
-    DPL_TRY(mapped.capture, decodeCaptureMap(capture, body.shaped.joints.size()));
+        return fail(Code::CorruptData, "{} is damaged; delete it and run again", (folder / "map.json").string());
+    DPL_TRY(const auto capture, readFile(folder / "capture_map.bin"));
+    DPL_TRY(mapped.capture, decodeCaptureMap(capture, body->shaped.joints.size()));
     for (const char* file : kPictureFiles) {
-        DPL_TRY(mapped.pictures.emplace_back(), readFile(stage.folder / file));
+        DPL_TRY(mapped.pictures.emplace_back(), readFile(folder / file));
     }
     return mapped;
 }

@@ -1,16 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
-// The stage cameras: finds the cameras of a scan that brings none, and repairs those of one that brings bad ones.
+#include "reconstruction/run/stage_cameras.h"
+
 #include <algorithm>
 
 #include "reconstruction/input/cameras/camera_verdict.h"
 #include "reconstruction/input/cameras/world_frame.h"
 #include "reconstruction/input/capture/frame_picture.h"
 #include "reconstruction/input/capture/repair_cameras.h"
-#include "reconstruction/run/cameras_file.h"
+#include "reconstruction/input/capture/triangulate.h"
 #include "reconstruction/run/scan_inputs.h"
-#include "reconstruction/run/stages.h"
+#include "reconstruction/run/stage_observe.h"
 #include "reconstruction/run/verdict_file.h"
-#include "reconstruction/subject/body/fit_init.h"
 #include "sdk/core/files.h"
 
 namespace dpl {
@@ -110,49 +110,90 @@ Status solve(const Scan& scan, double heightM, StageContext& context) {
 
 }  // namespace
 
-Result<Scan> runCameras(const StageRun& run, const Scan& scan) {
-    const double heightM = scan.subjectHeightM;
-    const json inputs = {{"scan", scanInputs(scan, hashFrames(scan))}, {"focal", scan.focalGuessPx}, {"height", heightM}};
-    const auto stage = run.chain.run("cameras", 2, inputs, [&](StageContext& context) { return solve(scan, heightM, context); });
-    if (!stage) return refuse(run, {"cameras"}, stage.error());
-    DPL_TRY(const FoundCameras found, readCamerasFile(stage->folder / "cameras.json"));
-    std::string text;
-    for (const std::string& sentence : found.sentences) text += (text.empty() ? "" : "\n  ") + sentence;
-    if (found.refused) {
-        Refusal refusal{"cameras", ordered_json::array()};
-        for (const CameraGap& gap : found.gaps)
-            refusal.filmAgain.push_back({{"topic", "cameras"}, {"part", gap.part}, {"sentence", gap.sentence}, {"frames", gap.frames}});
-        return refuse(run, refusal,
-                      fail(Code::InvalidArgument, "the cameras of too few pictures were found:\n  {}\n  COLMAP's log: {}", text,
-                           (stage->folder / "colmap.log").string()));
-    }
-    run.progress.note(text);
-    return withCameras(scan, found);
+Status StageOf<SolvedScan>::inputs(StageInputs& in) {
+    DPL_TRY(const SeenScan* seen, in.part<SeenScan>());
+    in.value("scan", scanInputs(seen->scan, hashFrames(seen->scan)));
+    in.value("focal", seen->scan.focalGuessPx);
+    in.value("height", seen->scan.subjectHeightM);
+    return {};
 }
 
-Result<std::optional<Scan>> runCameraRepair(const StageRun& run, const Scan& scan) {
-    if (!keypointsDoubtCameras(scan)) return std::optional<Scan>();
-    const json inputs = {{"scan", scanInputs(scan, hashFrames(scan))}, {"repair", true}};
-    DPL_TRY(const StageOutput stage, run.chain.run("cameras", 2, inputs, [&](StageContext& context) -> Status {
-        RepairSettings settings;
-        settings.progress = [&](double fraction, std::string_view what) { context.progress.update(fraction, what); };
-        settings.cancel = &context.progress.cancelFlag();
-        Scan repaired = scan;
-        DPL_TRY(const CameraRepair repair, repairCameras(repaired, settings, run.jobs));
-        FoundCameras found;
-        found.metric = scan.metricWorld;
-        found.sentences = {repair.sentence};
-        if (repair.repaired) {
-            found.lens = repaired.frames[0].lens;
-            for (const ScanFrame& frame : repaired.frames) found.cameras.push_back({frame.name, frame.camera});
+Status StageOf<SolvedScan>::make(StageInputs& in, StageContext& context) {
+    DPL_TRY(const SeenScan* seen, in.of<SeenScan>());
+    return solve(seen->scan, seen->scan.subjectHeightM, context);
+}
+
+Result<SolvedScan> StageOf<SolvedScan>::read(StageInputs&, const std::filesystem::path& folder) {
+    SolvedScan solved;
+    DPL_TRY(solved.found, readCamerasFile(folder / "cameras.json"));
+    solved.log = folder / "colmap.log";
+    return solved;
+}
+
+Status StageOf<RepairedScan>::inputs(StageInputs& in) {
+    DPL_TRY(const SeenScan* seen, in.part<SeenScan>());
+    in.value("scan", scanInputs(seen->scan, hashFrames(seen->scan)));
+    in.value("repair", true);
+    return {};
+}
+
+Status StageOf<RepairedScan>::make(StageInputs& in, StageContext& context) {
+    DPL_TRY(const SeenScan* seen, in.of<SeenScan>());
+    RepairSettings settings;
+    settings.progress = [&](double fraction, std::string_view what) { context.progress.update(fraction, what); };
+    settings.cancel = &context.progress.cancelFlag();
+    Scan repaired = seen->scan;
+    DPL_TRY(const CameraRepair repair, repairCameras(repaired, settings, in.jobs()));
+    FoundCameras found;
+    found.metric = seen->scan.metricWorld;
+    found.sentences = {repair.sentence};
+    if (repair.repaired) {
+        found.lens = repaired.frames[0].lens;
+        for (const ScanFrame& frame : repaired.frames) found.cameras.push_back({frame.name, frame.camera});
+    }
+    return writeFileAtomically(context.folder / "cameras.json", camerasToJson(found));
+}
+
+Result<RepairedScan> StageOf<RepairedScan>::read(StageInputs&, const std::filesystem::path& folder) {
+    RepairedScan repaired;
+    DPL_TRY(repaired.found, readCamerasFile(folder / "cameras.json"));
+    return repaired;
+}
+
+Status StageOf<PlacedScan>::inputs(StageInputs& in) {
+    DPL_TRY(const SeenScan* seen, in.part<SeenScan>());
+    if (!seen->scan.camerasKnown) {
+        const Status solved = in.use<SolvedScan>();
+        return solved ? Status{} : refuse(in.outFolder(), {"cameras"}, solved.error());
+    }
+    return keypointsDoubtCameras(seen->scan) ? in.use<RepairedScan>() : Status{};
+}
+
+Result<PlacedScan> StageOf<PlacedScan>::compute(StageInputs& in) {
+    DPL_TRY(const SeenScan* seen, in.of<SeenScan>());
+    if (in.has<RepairedScan>()) {
+        DPL_TRY(const RepairedScan* repaired, in.of<RepairedScan>());
+        for (const std::string& sentence : repaired->found.sentences) in.progress().note(sentence);
+        if (!repaired->found.cameras.empty()) {
+            DPL_TRY(Scan scan, withCameras(seen->scan, repaired->found));
+            return PlacedScan{std::move(scan), true};
         }
-        return writeFileAtomically(context.folder / "cameras.json", camerasToJson(found));
-    }));
-    DPL_TRY(const FoundCameras found, readCamerasFile(stage.folder / "cameras.json"));
-    for (const std::string& sentence : found.sentences) run.progress.note(sentence);
-    if (found.cameras.empty()) return std::optional<Scan>();
-    DPL_TRY(Scan repaired, withCameras(scan, found));
-    return std::optional(std::move(repaired));
+    }
+    if (!in.has<SolvedScan>()) return PlacedScan{seen->scan, false};
+    DPL_TRY(const SolvedScan* solved, in.of<SolvedScan>());
+    std::string text;
+    for (const std::string& sentence : solved->found.sentences) text += (text.empty() ? "" : "\n  ") + sentence;
+    if (solved->found.refused) {
+        Refusal refusal{"cameras", ordered_json::array()};
+        for (const CameraGap& gap : solved->found.gaps)
+            refusal.filmAgain.push_back({{"topic", "cameras"}, {"part", gap.part}, {"sentence", gap.sentence}, {"frames", gap.frames}});
+        return refuse(in.outFolder(), refusal,
+                      fail(Code::InvalidArgument, "the cameras of too few pictures were found:\n  {}\n  COLMAP's log: {}", text,
+                           solved->log.string()));
+    }
+    in.progress().note(text);
+    DPL_TRY(Scan scan, withCameras(seen->scan, solved->found));
+    return PlacedScan{std::move(scan), true};
 }
 
 }  // namespace dpl

@@ -1,12 +1,19 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "reconstruction/run/stage_co_optimise.h"
+
 #include <chrono>
 #include <optional>
 
-#include "reconstruction/run/stage_keys.h"
-#include "reconstruction/run/stages.h"
+#include "reconstruction/run/run_request.h"
+#include "reconstruction/run/settings_json.h"
+#include "reconstruction/run/stage_body_fit.h"
+#include "reconstruction/run/stage_garments.h"
+#include "reconstruction/run/stage_ingest.h"
+#include "reconstruction/run/stage_register.h"
 #include "reconstruction/run/trained_file.h"
 #include "reconstruction/subject/garments/stress_poses.h"
 #include "reconstruction/training/correctives/corrective_model.h"
+#include "reconstruction/training/trainer/train_images.h"
 #include "sdk/core/files.h"
 
 namespace dpl {
@@ -14,11 +21,11 @@ namespace {
 
 constexpr uint32_t kProbeSteps = 60;
 
-Result<CoOptimiseInput> trainingInput(const FittedBody& body, const DressedBody& dressed, std::vector<TrainFrame> frames) {
+Result<CoOptimiseInput> trainingInput(const FittedBody& body, const GarmentLayers& layers, std::vector<TrainFrame> frames) {
     CoOptimiseInput input;
     input.joints = body.shaped.joints;
-    input.mesh = dressed.clothed.mesh;
-    input.triangleLabel = dressed.clothed.triangleLabel;
+    input.mesh = layers.clothed.mesh;
+    input.triangleLabel = layers.clothed.triangleLabel;
     DPL_TRY(input.correctives, correctiveModel(input.joints, input.mesh, movingPoses(frames)));
     input.frames = std::move(frames);
     input.stress = stressPoses(input.joints);
@@ -79,39 +86,70 @@ Status train(CoOptimiseInput input, const RunSettings& settings, Jobs& jobs, Sta
     return writeTrainedFile(optimiser->result(), context.folder / kTrainedFile);
 }
 
+Result<CoOptimiseResult> readTrained(StageInputs& in, const std::filesystem::path& folder) {
+    DPL_TRY(const FittedBody* body, in.of<FittedBody>());
+    DPL_TRY(const GarmentLayers* layers, in.of<GarmentLayers>());
+    const MeshData& mesh = layers->clothed.mesh;
+    return readTrainedFile(folder / kTrainedFile, mesh.triangles.size(), mesh.restPositions.size(), body->shaped.joints.size());
+}
+
+/** The steps that the training in `folder` took. */
+uint32_t stepsTaken(const RunSettings& settings, const std::filesystem::path& folder) {
+    return settings.timeBudgetMinutes > 0 ? probedSteps(folder).value_or(settings.training.steps) : settings.training.steps;
+}
+
 }  // namespace
 
-Result<Training> runCoOptimise(const StageRun& run, const IngestedScan& ingested, const FittedBody& body, const DressedBody& dressed,
-                               const RegisteredPoses& registered, Pictures& pictures, const RunSettings& settings) {
-    const nlohmann::json inputs = {{"training", ingested.trainingHash},
-                                   {"body_fit", body.key},
-                                   {"garments", dressed.key},
-                                   {"register", registered.key},
-                                   {"settings", trainingInputs(settings)}};
-    const MeshData& mesh = dressed.clothed.mesh;
-    const auto readTrained = [&](const std::filesystem::path& folder) {
-        return readTrainedFile(folder / kTrainedFile, mesh.triangles.size(), mesh.restPositions.size(), body.shaped.joints.size());
+Status StageOf<Training>::inputs(StageInputs& in) {
+    DPL_TRY(const FrameTable* table, in.part<FrameTable>());
+    DPL_TRY(const RunSettings* settings, in.part<RunSettings>());
+    DPL_TRY([[maybe_unused]] const MetricCameras* cameras, in.part<MetricCameras>());
+    in.value("training", table->trainingHash);
+    in.value("settings", trainingInputs(*settings));
+    DPL_CHECK_OK(in.use<FittedBody>());
+    DPL_CHECK_OK(in.use<GarmentLayers>());
+    return in.use<RegisteredPoses>();
+}
+
+Status StageOf<Training>::make(StageInputs& in, StageContext& context) {
+    const auto dropCheckpoint = [&]() -> Status {
+        std::error_code ignored;
+        std::filesystem::remove(context.folder / kCheckpointFile, ignored);
+        return {};
     };
-    DPL_TRY(const StageOutput stage, run.chain.run("co-optimise", 17, inputs, [&](StageContext& context) -> Status {
-        const auto dropCheckpoint = [&]() -> Status {
-            std::error_code ignored;
-            std::filesystem::remove(context.folder / kCheckpointFile, ignored);
-            return {};
-        };
-        if (readTrained(context.folder)) return dropCheckpoint();  // a run that was killed after its last file
-        context.progress.update(0, "reading pictures");
-        DPL_TRY(FrameSet set, framesOf(ingested, Split::Train, body.cameras, registered.poses, pictures));
-        setPrecisions(set, registered.precisions);
-        if (set.frames.empty()) return fail(Code::InvalidArgument, "no usable training frames");
-        DPL_TRY(CoOptimiseInput input, trainingInput(body, dressed, std::move(set.frames)));
-        DPL_CHECK_OK(train(std::move(input), settings, run.jobs, context));
-        return dropCheckpoint();
-    }));
-    DPL_TRY(CoOptimiseResult result, readTrained(stage.folder));
-    if (!(settings.timeBudgetMinutes > 0)) return Training{std::move(result), settings.training.steps, stage.key};
-    // The budget alone is in the stage's key, and another run of it may have fitted other steps in.
-    const uint32_t steps = probedSteps(stage.folder).value_or(settings.training.steps);
-    return Training{std::move(result), steps, hashText(stage.key + " " + std::to_string(steps))};
+    if (readTrained(in, context.folder)) return dropCheckpoint();  // a run that was killed after its last file
+    DPL_TRY(const RunSettings* settings, in.of<RunSettings>());
+    DPL_TRY(const FittedBody* body, in.of<FittedBody>());
+    DPL_TRY(const GarmentLayers* layers, in.of<GarmentLayers>());
+    context.progress.update(0, "reading pictures");
+    DPL_TRY(FrameSet set, registeredFrames(in, Split::Train));
+    if (set.frames.empty()) return fail(Code::InvalidArgument, "no usable training frames");
+    DPL_TRY(CoOptimiseInput input, trainingInput(*body, *layers, std::move(set.frames)));
+    DPL_CHECK_OK(train(std::move(input), *settings, in.jobs(), context));
+    return dropCheckpoint();
+}
+
+Result<Training> StageOf<Training>::read(StageInputs& in, const std::filesystem::path& folder) {
+    DPL_TRY(const RunSettings* settings, in.of<RunSettings>());
+    DPL_TRY(CoOptimiseResult result, readTrained(in, folder));
+    return Training{std::move(result), stepsTaken(*settings, folder)};
+}
+
+Result<std::string> StageOf<Training>::keyAfter(StageInputs& in, const std::filesystem::path& folder, const std::string& key) {
+    DPL_TRY(const RunSettings* settings, in.of<RunSettings>());
+    if (!(settings->timeBudgetMinutes > 0)) return key;
+    return hashText(key + " " + std::to_string(stepsTaken(*settings, folder)));
+}
+
+Status StageOf<SettingsAfterTraining>::inputs(StageInputs& in) {
+    DPL_TRY([[maybe_unused]] const RunSettings* settings, in.part<RunSettings>());
+    return in.use<Training>();
+}
+
+Result<SettingsAfterTraining> StageOf<SettingsAfterTraining>::compute(StageInputs& in) {
+    DPL_TRY(const RunSettings* settings, in.of<RunSettings>());
+    DPL_TRY(const Training* training, in.of<Training>());
+    return SettingsAfterTraining{withTrainingSteps(*settings, training->steps)};
 }
 
 }  // namespace dpl

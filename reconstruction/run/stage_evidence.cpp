@@ -1,9 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The stage evidence measures how much each optional part improves the avatar. The trained avatar is trained on for a short while, whole
-// and again without each part, so that what remains makes up for the part as well as it can. The public SDK draws validation frames with
-// each of these avatars, and the pictures are scored. A validation frame is drawn in its registered pose after a pose fit, which moves
-// joints and root only, to the avatar that is judged. A part must gain a fixed amount, and more the larger it is. A scan that is too small
-// for a validation split is judged on training frames. Held-out frames are not used.
+#include "reconstruction/run/stage_evidence.h"
+
 #include <algorithm>
 #include <cstdio>
 
@@ -13,8 +10,12 @@
 #include "reconstruction/judging/report/draw_view.h"
 #include "reconstruction/judging/report/score.h"
 #include "reconstruction/run/registered_pose.h"
-#include "reconstruction/run/stage_keys.h"
-#include "reconstruction/run/stages.h"
+#include "reconstruction/run/settings_json.h"
+#include "reconstruction/run/stage_assemble.h"
+#include "reconstruction/run/stage_body_fit.h"
+#include "reconstruction/run/stage_co_optimise.h"
+#include "reconstruction/run/stage_ingest.h"
+#include "reconstruction/run/stage_register.h"
 #include "reconstruction/training/trainer/retrain.h"
 #include "sdk/core/evenly_spaced.h"
 #include "sdk/core/files.h"
@@ -52,14 +53,15 @@ struct Mean {
     double value() const { return count > 0 ? sum / double(count) : 0; }
 };
 
-Result<Jury> chooseJury(const IngestedScan& ingested, const FittedBody& body, const RegisteredPoses& registered, const Training& training,
-                        const AssembledAvatar& assembled, Pictures& pictures) {
+Result<Jury> chooseJury(StageInputs& in, const AssembledAvatar& assembled) {
+    DPL_TRY(const FrameTable* table, in.of<FrameTable>());
+    DPL_TRY(const RegisteredPoses* registered, in.of<RegisteredPoses>());
+    DPL_TRY(const Training* training, in.of<Training>());
     Jury jury;
-    DPL_TRY(FrameSet set, framesOf(ingested, Split::Validation, body.cameras, registered.poses, pictures));
-    setPrecisions(set, registered.precisions);
-    const std::vector<const Pose*> trained = trainedPoses(ingested, training.result);
+    DPL_TRY(FrameSet set, registeredFrames(in, Split::Validation));
+    const std::vector<const Pose*> trained = trainedPoses(*table, training->result);
     for (size_t i = 0; i < set.frames.size(); ++i)
-        set.frames[i].pose = registeredPose(ingested.scan, registered.poses, trained, set.indices[i]);
+        set.frames[i].pose = registeredPose(table->scan, registered->poses.poses, trained, set.rows[i]);
     jury.frames = std::move(set.frames);
     if (jury.judging() > 0) return jury;
     jury.frames.clear();
@@ -181,34 +183,39 @@ Status weigh(const AssembledAvatar& assembled, const Jury& jury, const RunSettin
 }
 
 /** The files of validation frames, which this stage alone reads. Their keypoints reach it through the body fit. */
-nlohmann::json juryInputs(const IngestedScan& ingested) {
+nlohmann::json juryInputs(const FrameTable& table) {
     nlohmann::json out = nlohmann::json::array();
-    for (size_t f = 0; f < ingested.scan.frames.size(); ++f)
-        if (ingested.scan.frames[f].split == Split::Validation)
-            out.push_back({ingested.scan.frames[f].name, ingested.hashes[f].image, ingested.hashes[f].mask});
+    for (size_t row = 0; row < table.rows(); ++row)
+        if (table.scan.frames[row].split == Split::Validation)
+            out.push_back({table.scan.frames[row].name, table.hashes[row].image, table.hashes[row].mask});
     return out;
 }
 
 }  // namespace
 
-Result<MeasuredParts> runEvidence(const StageRun& run, const IngestedScan& ingested, const FittedBody& body,
-                                  const RegisteredPoses& registered, const Training& training, Lazy<AssembledAvatar>& trained,
-                                  Pictures& pictures, const RunSettings& settings) {
-    const nlohmann::json inputs = {{"trained", training.key},
-                                   {"register", registered.key},
-                                   {"assemble", assembleInputs()},
-                                   {"name", ingested.scan.name},
-                                   {"training", trainingInputs(settings)},
-                                   {"validation", juryInputs(ingested)},
-                                   {"poseFit", fieldsJson(settings.poseFit)},
-                                   {"framesOfAKind", kFramesOfAKind}};
-    DPL_TRY(const StageOutput stage, run.chain.run("evidence", 11, inputs, [&](StageContext& context) -> Status {
-        DPL_TRY(const AssembledAvatar* assembled, trained.get());
-        DPL_TRY(const Jury jury, chooseJury(ingested, body, registered, training, *assembled, pictures));
-        return weigh(*assembled, jury, settings, run.jobs, context);
-    }));
-    DPL_TRY(std::vector<PartEvidence> parts, readEvidence(stage.folder / "evidence.json"));
-    return MeasuredParts{std::move(parts), stage.key};
+Status StageOf<MeasuredParts>::inputs(StageInputs& in) {
+    DPL_TRY(const FrameTable* table, in.part<FrameTable>());
+    DPL_TRY([[maybe_unused]] const MetricCameras* cameras, in.part<MetricCameras>());
+    DPL_TRY(const SettingsAfterTraining* after, in.part<SettingsAfterTraining>());
+    in.value("training", trainingInputs(after->settings));
+    in.value("validation", juryInputs(*table));
+    in.value("poseFit", fieldsJson(after->settings.poseFit));
+    in.value("framesOfAKind", kFramesOfAKind);
+    DPL_CHECK_OK(in.use<RegisteredPoses>());
+    DPL_CHECK_OK(in.use<Training>());
+    return in.use<AssembledAvatar>();
+}
+
+Status StageOf<MeasuredParts>::make(StageInputs& in, StageContext& context) {
+    DPL_TRY(const SettingsAfterTraining* after, in.of<SettingsAfterTraining>());
+    DPL_TRY(const AssembledAvatar* assembled, in.of<AssembledAvatar>());
+    DPL_TRY(const Jury jury, chooseJury(in, *assembled));
+    return weigh(*assembled, jury, after->settings, in.jobs(), context);
+}
+
+Result<MeasuredParts> StageOf<MeasuredParts>::read(StageInputs&, const std::filesystem::path& folder) {
+    DPL_TRY(std::vector<PartEvidence> parts, readEvidence(folder / "evidence.json"));
+    return MeasuredParts{std::move(parts)};
 }
 
 }  // namespace dpl

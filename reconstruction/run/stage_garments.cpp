@@ -1,9 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-// The stage garments: makes the layers of the clothed subject from the fitted body, masks and labels of the still training frames.
+#include "reconstruction/run/stage_garments.h"
+
 #include <algorithm>
 
 #include "reconstruction/run/clothed_file.h"
-#include "reconstruction/run/stages.h"
+#include "reconstruction/run/run_request.h"
+#include "reconstruction/run/stage_body_fit.h"
+#include "reconstruction/run/stage_ingest.h"
+#include "reconstruction/run/stage_surface.h"
 #include "sdk/core/files.h"
 
 namespace dpl {
@@ -11,39 +15,13 @@ namespace {
 
 using nlohmann::json;
 
-Status dress(const StageRun& run, const IngestedScan& ingested, const FittedBody& body, const FittedSurface& surface, Pictures& pictures,
-             const std::vector<ScanLabel>& labels, StageContext& context) {
-    std::vector<GarmentView> views;
-    for (size_t f : silhouetteFrames(ingested)) {
-        DPL_TRY(const auto picture, pictures.of(f));
-        views.push_back({body.cameras[f], picture->mask, picture->labels, surface.poses[f]});
-    }
-    std::vector<GarmentView> moving;
-    for (size_t f = 0; f < ingested.scan.frames.size(); ++f) {
-        const ScanFrame& frame = ingested.scan.frames[f];
-        if (!isTrainingFrame(ingested, f) || frame.kind != FrameKind::Dynamic || frame.maskPath.empty() || frame.labelsPath.empty())
-            continue;
-        DPL_TRY(const auto picture, pictures.of(f));
-        moving.push_back({body.cameras[f], picture->mask, picture->labels, body.fit.poses[f]});
-    }
-    const auto progress = [&](double fraction) {
-        context.progress.update(fraction, formatText("{} still pictures", views.size()));
-        return !context.progress.cancelled();
-    };
-    const GarmentInput input{body.shaped.mesh, body.shaped.joints, surface.restOffsets, views, moving, labels};
-    DPL_TRY(const GarmentFit fit, makeClothedMesh(input, progress, run.jobs));
-    json decisions = json::array();
-    for (const GarmentDecision& d : fit.decisions)
-        decisions.push_back(
-            {{"part", d.label.name}, {"kept", d.kept}, {"reason", d.reason}, {"triangles", d.triangles}, {"areaM2", d.areaM2}});
-    json legs = json::array();
-    for (const LegDecision& d : fit.legs)
-        legs.push_back({{"part", d.name}, {"parted", d.seen.parted()}, {"cloth_pixels", d.seen.cloth}, {"free_pixels", d.seen.free}});
-    const json info = {{"summary", fit.summary},  {"decisions", decisions},        {"legs", legs},
-                       {"hull_iou", fit.hullIou}, {"inside_body", fit.insideBody}, {"largest_weight_step", fit.largestWeightStep}};
-    DPL_CHECK_OK(writeFileAtomically(context.folder / "garments.json", info.dump(1)));
-    context.progress.note(fit.summary);
-    return writeClothedFile(fit.clothed, context.folder / "clothed.bin");
+/** Layers are carved out of still silhouettes. */
+bool anyStill(const Scan& scan) {
+    return std::any_of(scan.frames.begin(), scan.frames.end(), [](const ScanFrame& frame) { return frame.kind == FrameKind::StaticFull; });
+}
+
+std::vector<ScanLabel> wantedLabels(const Scan& scan, const RunSettings& settings) {
+    return settings.layers && anyStill(scan) ? scan.labels : std::vector<ScanLabel>{};
 }
 
 /** One row a label: whether it became a layer, and why. */
@@ -67,27 +45,70 @@ Result<std::vector<EvidenceData>> readDecisions(const std::filesystem::path& pat
 
 }  // namespace
 
-Result<DressedBody> runGarments(const StageRun& run, const IngestedScan& ingested, const FittedBody& body, const FittedSurface& surface,
-                                Pictures& pictures, const RunSettings& settings) {
-    // Layers are carved out of still silhouettes.
-    const auto still = [](const ScanFrame& frame) { return frame.kind == FrameKind::StaticFull; };
-    const bool anyStill = std::any_of(ingested.scan.frames.begin(), ingested.scan.frames.end(), still);
-    const std::vector<ScanLabel> wanted = settings.layers && anyStill ? ingested.scan.labels : std::vector<ScanLabel>{};
+Status StageOf<GarmentLayers>::inputs(StageInputs& in) {
+    DPL_TRY(const FrameTable* table, in.part<FrameTable>());
+    DPL_TRY(const RunSettings* settings, in.part<RunSettings>());
+    DPL_TRY([[maybe_unused]] const MetricCameras* cameras, in.part<MetricCameras>());
+    DPL_TRY([[maybe_unused]] const FittedBody* body, in.part<FittedBody>());
     json labels = json::array();
-    for (const ScanLabel& label : wanted) labels.push_back({label.name, label.value});
-    const json inputs = {{"training", ingested.trainingHash}, {"surface", surface.key}, {"labels", labels}};
-    DPL_TRY(const StageOutput stage, run.chain.run("garments", 9, inputs, [&](StageContext& context) {
-        return dress(run, ingested, body, surface, pictures, wanted, context);
-    }));
-    DressedBody dressed;
-    dressed.key = stage.key;
-    DPL_TRY(dressed.clothed, readClothedFile(stage.folder / "clothed.bin", body.shaped.joints.size()));
-    DPL_TRY(dressed.decided, readDecisions(stage.folder / "garments.json"));
-    if (!settings.layers)
-        dressed.decided = {{"garment layers", false, 0, 0, "left out by --without layers"}};
-    else if (!anyStill)
-        dressed.decided = {{"garment layers", false, 0, 0, "no still full-body picture, and layers are cut from those"}};
-    return dressed;
+    for (const ScanLabel& label : wantedLabels(table->scan, *settings)) labels.push_back({label.name, label.value});
+    in.value("training", table->trainingHash);
+    in.value("labels", labels);
+    return in.use<FittedSurface>();
+}
+
+Status StageOf<GarmentLayers>::make(StageInputs& in, StageContext& context) {
+    DPL_TRY(const FrameTable* table, in.of<FrameTable>());
+    DPL_TRY(const RunSettings* settings, in.of<RunSettings>());
+    DPL_TRY(const MetricCameras* metric, in.of<MetricCameras>());
+    DPL_TRY(const FittedBody* body, in.of<FittedBody>());
+    DPL_TRY(const FittedSurface* surface, in.of<FittedSurface>());
+    std::vector<std::shared_ptr<const FramePicture>> pictures;
+    std::vector<GarmentView> views;
+    for (const size_t row : table->silhouetteRows()) {
+        DPL_TRY(pictures.emplace_back(), table->picture(row));
+        views.push_back({metric->cameras[row], pictures.back()->mask, pictures.back()->labels, surface->poses[row]});
+    }
+    std::vector<GarmentView> moving;
+    for (size_t row = 0; row < table->rows(); ++row) {
+        const ScanFrame& frame = table->scan.frames[row];
+        if (!table->trains(row) || frame.kind != FrameKind::Dynamic || frame.maskPath.empty() || frame.labelsPath.empty()) continue;
+        DPL_TRY(pictures.emplace_back(), table->picture(row));
+        moving.push_back({metric->cameras[row], pictures.back()->mask, pictures.back()->labels, body->poses[row]});
+    }
+    const auto progress = [&](double fraction) {
+        context.progress.update(fraction, formatText("{} still pictures", views.size()));
+        return !context.progress.cancelled();
+    };
+    const std::vector<ScanLabel> labels = wantedLabels(table->scan, *settings);
+    const GarmentInput input{body->shaped.mesh, body->shaped.joints, surface->restOffsets, views, moving, labels};
+    DPL_TRY(const GarmentFit fit, makeClothedMesh(input, progress, in.jobs()));
+    json decisions = json::array();
+    for (const GarmentDecision& d : fit.decisions)
+        decisions.push_back(
+            {{"part", d.label.name}, {"kept", d.kept}, {"reason", d.reason}, {"triangles", d.triangles}, {"areaM2", d.areaM2}});
+    json legs = json::array();
+    for (const LegDecision& d : fit.legs)
+        legs.push_back({{"part", d.name}, {"parted", d.seen.parted()}, {"cloth_pixels", d.seen.cloth}, {"free_pixels", d.seen.free}});
+    const json info = {{"summary", fit.summary},  {"decisions", decisions},        {"legs", legs},
+                       {"hull_iou", fit.hullIou}, {"inside_body", fit.insideBody}, {"largest_weight_step", fit.largestWeightStep}};
+    DPL_CHECK_OK(writeFileAtomically(context.folder / "garments.json", info.dump(1)));
+    context.progress.note(fit.summary);
+    return writeClothedFile(fit.clothed, context.folder / "clothed.bin");
+}
+
+Result<GarmentLayers> StageOf<GarmentLayers>::read(StageInputs& in, const std::filesystem::path& folder) {
+    DPL_TRY(const FrameTable* table, in.of<FrameTable>());
+    DPL_TRY(const RunSettings* settings, in.of<RunSettings>());
+    DPL_TRY(const FittedBody* body, in.of<FittedBody>());
+    GarmentLayers layers;
+    DPL_TRY(layers.clothed, readClothedFile(folder / "clothed.bin", body->shaped.joints.size()));
+    DPL_TRY(layers.decided, readDecisions(folder / "garments.json"));
+    if (!settings->layers)
+        layers.decided = {{"garment layers", false, 0, 0, "left out by --without layers"}};
+    else if (!anyStill(table->scan))
+        layers.decided = {{"garment layers", false, 0, 0, "no still full-body picture, and layers are cut from those"}};
+    return layers;
 }
 
 }  // namespace dpl

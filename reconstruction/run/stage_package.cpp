@@ -1,50 +1,58 @@
 // SPDX-License-Identifier: Apache-2.0
-// The stage package. The evidence decides which parts go into the file, a short polish runs on the decoded avatar, and the avatar is
-// encoded.
+#include "reconstruction/run/stage_package.h"
+
 #include <algorithm>
 
-#include "reconstruction/run/stage_keys.h"
-#include "reconstruction/run/stages.h"
+#include "reconstruction/run/settings_json.h"
+#include "reconstruction/run/stage_assemble.h"
+#include "reconstruction/run/stage_body_map.h"
+#include "reconstruction/run/stage_co_optimise.h"
+#include "reconstruction/run/stage_evidence.h"
+#include "reconstruction/run/stage_garments.h"
+#include "reconstruction/training/trainer/polish.h"
 #include "sdk/core/files.h"
 
 namespace dpl {
-namespace {
 
-Status package(const AssembledAvatar& assembled, const std::vector<PartEvidence>& parts, const std::vector<EvidenceData>& decided,
-               const CaptureMapData& capture, const RunSettings& settings, Jobs& jobs, StageContext& context) {
-    AvatarData avatar = assembled.avatar;
-    for (const PartEvidence& part : parts)
+Status StageOf<Package>::inputs(StageInputs& in) {
+    DPL_TRY(const SettingsAfterTraining* after, in.part<SettingsAfterTraining>());
+    DPL_TRY(const GarmentLayers* layers, in.part<GarmentLayers>());
+    nlohmann::json rows = nlohmann::json::array();
+    for (const EvidenceData& row : layers->decided) rows.push_back({row.part, row.kept, row.reason});
+    in.value("decided", rows);
+    in.value("polish", polishInputs(after->settings));
+    DPL_CHECK_OK(in.use<MappedBody>());
+    DPL_CHECK_OK(in.use<AssembledAvatar>());
+    return in.use<MeasuredParts>();
+}
+
+Status StageOf<Package>::make(StageInputs& in, StageContext& context) {
+    context.progress.update(0, "encoding");
+    DPL_TRY(const SettingsAfterTraining* after, in.of<SettingsAfterTraining>());
+    DPL_TRY(const GarmentLayers* layers, in.of<GarmentLayers>());
+    DPL_TRY(const MappedBody* mapped, in.of<MappedBody>());
+    DPL_TRY(const MeasuredParts* measured, in.of<MeasuredParts>());
+    DPL_TRY(const AssembledAvatar* assembled, in.of<AssembledAvatar>());
+    AvatarData avatar = assembled->avatar;
+    for (const PartEvidence& part : measured->parts)
         if (!part.row.kept) removePart(avatar, part.part);
     dropEmptyCorrectives(avatar);
-    avatar.evidence = decided;
-    for (const PartEvidence& part : parts) avatar.evidence.push_back(part.row);
+    avatar.evidence = layers->decided;
+    for (const PartEvidence& part : measured->parts) avatar.evidence.push_back(part.row);
     const auto report = [&](const CoOptimiseProgress& p) {
         context.progress.update(0.1 + 0.85 * p.step / std::max(1u, p.steps), formatText("polish step {} of {}", p.step, p.steps));
     };
-    DPL_TRY(avatar, polish(std::move(avatar), assembled.triangleLabel, assembled.frames, settings.polishSteps, settings.training.seed, jobs,
-                           report, &context.progress.cancelFlag()));
-    avatar.captureMap = capture;
+    const RunSettings& settings = after->settings;
+    DPL_TRY(avatar, polish(std::move(avatar), assembled->triangleLabel, assembled->frames, settings.polishSteps, settings.training.seed,
+                           in.jobs(), report, &context.progress.cancelFlag()));
+    avatar.captureMap = mapped->capture;
     DPL_TRY(auto bytes, writeAvatar(avatar, kPackaged));
     return writeFileAtomically(context.folder / "avatar.glb", bytes);
 }
 
-}  // namespace
-
-Result<Package> runPackage(const StageRun& run, const IngestedScan& ingested, const Training& training, Lazy<AssembledAvatar>& trained,
-                           const MeasuredParts& measured, const std::vector<EvidenceData>& decided, const MappedBody& mapped,
-                           const RunSettings& settings) {
-    nlohmann::json rows = nlohmann::json::array();
-    for (const EvidenceData& row : decided) rows.push_back({row.part, row.kept, row.reason});
-    const nlohmann::json inputs = {{"trained", training.key}, {"assemble", assembleInputs()},     {"name", ingested.scan.name},
-                                   {"parts", measured.key},   {"polish", polishInputs(settings)}, {"decided", rows},
-                                   {"map", mapped.key}};
-    DPL_TRY(const StageOutput stage, run.chain.run("package", 7, inputs, [&](StageContext& context) -> Status {
-        context.progress.update(0, "encoding");
-        DPL_TRY(const AssembledAvatar* assembled, trained.get());
-        return package(*assembled, measured.parts, decided, mapped.capture, settings, run.jobs, context);
-    }));
-    DPL_TRY(auto bytes, readFile(stage.folder / "avatar.glb"));
-    return Package{std::move(bytes), stage.key};
+Result<Package> StageOf<Package>::read(StageInputs&, const std::filesystem::path& folder) {
+    DPL_TRY(auto bytes, readFile(folder / "avatar.glb"));
+    return Package{std::move(bytes)};
 }
 
 }  // namespace dpl

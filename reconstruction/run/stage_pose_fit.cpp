@@ -1,9 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
-// The stage pose-fit: fits the poses of frames that were not trained on and changes nothing else (docs/reference/registration.md). It runs
-// after package, so it cannot affect the avatar.
+#include "reconstruction/run/stage_pose_fit.h"
+
 #include "reconstruction/run/registered_pose.h"
-#include "reconstruction/run/stage_keys.h"
-#include "reconstruction/run/stages.h"
+#include "reconstruction/run/settings_json.h"
+#include "reconstruction/run/stage_body_fit.h"
+#include "reconstruction/run/stage_co_optimise.h"
+#include "reconstruction/run/stage_ingest.h"
+#include "reconstruction/run/stage_package.h"
+#include "reconstruction/run/stage_register.h"
+#include "reconstruction/training/trainer/polish.h"
 #include "sdk/core/files.h"
 #include "sdk/format/avatar_file.h"
 
@@ -13,55 +18,68 @@ namespace {
 using nlohmann::json;
 
 /** The data of validation and held-out frames that this stage reads. */
-json untrainedInputs(const IngestedScan& ingested) {
+json untrainedInputs(const FrameTable& table) {
     json out = json::array();
-    for (size_t f = 0; f < ingested.scan.frames.size(); ++f)
-        if (ingested.scan.frames[f].split != Split::Train)
-            out.push_back({ingested.scan.frames[f].name, ingested.hashes[f].image, ingested.hashes[f].mask});
+    for (size_t row = 0; row < table.rows(); ++row)
+        if (table.scan.frames[row].split != Split::Train)
+            out.push_back({table.scan.frames[row].name, table.hashes[row].image, table.hashes[row].mask});
     return out;
 }
 
 }  // namespace
 
-Result<FoundPoses> runPoseFit(const StageRun& run, const IngestedScan& ingested, const FittedBody& body, const RegisteredPoses& registered,
-                              const Training& training, const Package& package, Pictures& pictures, const RunSettings& settings) {
-    const Scan& scan = ingested.scan;
-    const auto fitPoses = [&](StageContext& context) -> Status {
-        DPL_TRY(AvatarData avatar, readAvatar(package.bytes));
-        PosesFile poses;
-        for (const JointData& joint : avatar.joints) poses.jointNames.push_back(joint.name);
-        if (!scan.metricWorld) poses.metresPerUnit = body.fit.metresPerUnit;
-        const std::vector<const Pose*> trained = trainedPoses(ingested, training.result);
-        size_t untrained = 0, done = 0;
-        for (const ScanFrame& frame : scan.frames) untrained += frame.split != Split::Train;
-        for (size_t f = 0; f < scan.frames.size(); ++f) {
-            const ScanFrame& frame = scan.frames[f];
-            FramePose entry{frame.name, frameKindName(frame.kind), splitName(frame.split), registered.poses[f], std::nullopt};
-            if (frame.split == Split::Train) {
-                if (trained[f]) entry.pose = *trained[f];
-            } else {
-                if (context.progress.cancelled()) return fail(Code::Cancelled, "stopped");
-                entry.pose = registeredPose(scan, registered.poses, trained, f);
-                // A frame whose picture cannot be used keeps its registered pose.
-                if (auto shown = frameAt(ingested, f, body.cameras[f], entry.pose, pictures)) {
-                    shown->precision = registered.precisions[f];
-                    if (auto fitted = fitPose(avatar, *shown, settings.poseFit, run.jobs)) entry.fittedPose = fitted->pose;
-                }
-                context.progress.update(double(++done) / double(untrained), frame.name);
+Status StageOf<FoundPoses>::inputs(StageInputs& in) {
+    DPL_TRY(const FrameTable* table, in.part<FrameTable>());
+    DPL_TRY([[maybe_unused]] const MetricCameras* cameras, in.part<MetricCameras>());
+    DPL_TRY([[maybe_unused]] const FittedBody* body, in.part<FittedBody>());
+    DPL_TRY(const SettingsAfterTraining* after, in.part<SettingsAfterTraining>());
+    in.value("untrained", untrainedInputs(*table));
+    in.value("settings", fieldsJson(after->settings.poseFit));
+    DPL_CHECK_OK(in.use<RegisteredPoses>());
+    DPL_CHECK_OK(in.use<Training>());
+    return in.use<Package>();
+}
+
+Status StageOf<FoundPoses>::make(StageInputs& in, StageContext& context) {
+    DPL_TRY(const FrameTable* table, in.of<FrameTable>());
+    DPL_TRY(const MetricCameras* metric, in.of<MetricCameras>());
+    DPL_TRY(const FittedBody* body, in.of<FittedBody>());
+    DPL_TRY(const SettingsAfterTraining* after, in.of<SettingsAfterTraining>());
+    DPL_TRY(const RegisteredPoses* registered, in.of<RegisteredPoses>());
+    DPL_TRY(const Training* training, in.of<Training>());
+    DPL_TRY(const Package* package, in.of<Package>());
+    const Scan& scan = table->scan;
+    DPL_TRY(AvatarData avatar, readAvatar(package->bytes));
+    PosesFile poses;
+    for (const JointData& joint : avatar.joints) poses.jointNames.push_back(joint.name);
+    if (!scan.metricWorld) poses.metresPerUnit = body->fit.metresPerUnit;
+    const std::vector<const Pose*> trained = trainedPoses(*table, training->result);
+    size_t untrained = 0, done = 0;
+    for (const ScanFrame& frame : scan.frames) untrained += frame.split != Split::Train;
+    for (size_t row = 0; row < table->rows(); ++row) {
+        const ScanFrame& frame = scan.frames[row];
+        FramePose entry{frame.name, frameKindName(frame.kind), splitName(frame.split), registered->poses[row], std::nullopt};
+        if (frame.split == Split::Train) {
+            if (trained[row]) entry.pose = *trained[row];
+        } else {
+            if (context.progress.cancelled()) return fail(Code::Cancelled, "stopped");
+            entry.pose = registeredPose(scan, registered->poses.poses, trained, row);
+            // A frame whose picture cannot be used keeps its registered pose.
+            if (auto shown = table->frame(row, metric->cameras[row], entry.pose)) {
+                shown->precision = registered->precisions[row];
+                if (auto fitted = fitPose(avatar, *shown, after->settings.poseFit, in.jobs())) entry.fittedPose = fitted->pose;
             }
-            poses.frames.push_back(std::move(entry));
+            context.progress.update(double(++done) / double(untrained), frame.name);
         }
-        return writeFileAtomically(context.folder / "poses.json", posesToJson(poses));
-    };
-    const json inputs = {{"package", package.key},
-                         {"trained", training.key},
-                         {"register", registered.key},
-                         {"untrained", untrainedInputs(ingested)},
-                         {"settings", fieldsJson(settings.poseFit)}};
-    DPL_TRY(const StageOutput stage, run.chain.run("pose-fit", 7, inputs, fitPoses));
-    const std::filesystem::path file = stage.folder / "poses.json";
+        poses.frames.push_back(std::move(entry));
+    }
+    return writeFileAtomically(context.folder / "poses.json", posesToJson(poses));
+}
+
+Result<FoundPoses> StageOf<FoundPoses>::read(StageInputs&, const std::filesystem::path& folder) {
+    const std::filesystem::path file = folder / "poses.json";
     DPL_TRY(PosesFile poses, readPosesFile(file));
-    return FoundPoses{file, std::move(poses), stage.key};
+    return FoundPoses{file, std::move(poses)};
 }
 
 }  // namespace dpl

@@ -1,10 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "reconstruction/run/stage_register.h"
+
 #include <algorithm>
 
+#include "reconstruction/output/package/poses_file.h"
 #include "reconstruction/run/mesh_votes.h"
 #include "reconstruction/run/precision_file.h"
-#include "reconstruction/run/stage_keys.h"
-#include "reconstruction/run/stages.h"
+#include "reconstruction/run/settings_json.h"
+#include "reconstruction/run/stage_body_fit.h"
+#include "reconstruction/run/stage_ingest.h"
+#include "reconstruction/run/stage_surface.h"
 #include "reconstruction/subject/body/priors.h"
 #include "reconstruction/subject/body/swapped_sides.h"
 #include "reconstruction/subject/garments/label_field.h"
@@ -38,11 +43,24 @@ std::vector<uint8_t> rigidTriangles(const MeshData& mesh, std::span<const Vec3f>
     return out;
 }
 
-Status fit(const StageRun& run, const IngestedScan& ingested, const FittedBody& body, const FittedSurface& surface, Pictures& pictures,
-           RegisterSettings settings, StageContext& context) {
-    const Scan& scan = ingested.scan;
-    MeshData mesh = body.shaped.mesh;
-    for (size_t v = 0; v < mesh.restPositions.size(); ++v) mesh.restPositions[v] += surface.restOffsets[v];
+}  // namespace
+
+Status StageOf<RegisteredPoses>::inputs(StageInputs& in) {
+    DPL_TRY(const FrameTable* table, in.part<FrameTable>());
+    DPL_TRY([[maybe_unused]] const MetricCameras* cameras, in.part<MetricCameras>());
+    in.value("training", table->trainingHash);
+    in.value("settings", fieldsJson(RegisterSettings()));
+    DPL_CHECK_OK(in.use<FittedBody>());
+    return in.use<FittedSurface>();
+}
+
+Status StageOf<RegisteredPoses>::make(StageInputs& in, StageContext& context) {
+    DPL_TRY(const FrameTable* table, in.of<FrameTable>());
+    DPL_TRY(const MetricCameras* metric, in.of<MetricCameras>());
+    DPL_TRY(const FittedBody* body, in.of<FittedBody>());
+    DPL_TRY(const FittedSurface* surface, in.of<FittedSurface>());
+    const Scan& scan = table->scan;
+    const MeshData mesh = surface->clothed(body->shaped.mesh);
     std::vector<std::shared_ptr<const FramePicture>> shown(scan.frames.size());
     std::vector<std::vector<Keypoint>> keypoints(scan.frames.size());
     std::vector<TrainFrame> stills;
@@ -50,33 +68,35 @@ Status fit(const StageRun& run, const IngestedScan& ingested, const FittedBody& 
     for (size_t f = 0; f < scan.frames.size(); ++f) {
         const ScanFrame& frame = scan.frames[f];
         DPL_TRY(keypoints[f], readKeypoints(scan, frame));
-        if (f < body.fit.swapped.size() && body.fit.swapped[f])
-            keypoints[f] = withSidesSwapped(keypoints[f], scan.keypointNames, body.fit.swapped[f]);
-        if (isTrainingFrame(ingested, f)) {
-            DPL_TRY(shown[f], pictures.of(f));
-            if (frame.kind != FrameKind::Dynamic) stills.push_back({frame.name, frame.kind, body.cameras[f], surface.poses[f], shown[f]});
+        if (f < body->fit.swapped.size() && body->fit.swapped[f])
+            keypoints[f] = withSidesSwapped(keypoints[f], scan.keypointNames, body->fit.swapped[f]);
+        if (table->trains(f)) {
+            DPL_TRY(shown[f], table->picture(f));
+            if (frame.kind != FrameKind::Dynamic)
+                stills.push_back({frame.name, frame.kind, metric->cameras[f], surface->poses[f], shown[f]});
         }
-        input.frames.push_back({frame.kind, frame.timeS, body.cameras[f], surface.poses[f], shown[f].get(), keypoints[f], frame.split});
+        input.frames.push_back({frame.kind, frame.timeS, metric->cameras[f], surface->poses[f], shown[f].get(), keypoints[f], frame.split});
     }
     const std::vector<uint8_t> triangleLabel =
-        voteTriangleLabels(body.shaped.joints, mesh, stills, votingLabels(scan.labels)[0].value, run.jobs);
+        voteTriangleLabels(body->shaped.joints, mesh, stills, votingLabels(scan.labels)[0].value, in.jobs());
     const std::vector<uint8_t> labels = triangleLabel.empty() ? std::vector<uint8_t>() : rigidLabels(scan);
-    const std::vector<uint8_t> rigid = rigidTriangles(mesh, surface.restOffsets, triangleLabel, labels);
-    input.body = &body.shaped, input.surface = &mesh;
+    const std::vector<uint8_t> rigid = rigidTriangles(mesh, surface->restOffsets, triangleLabel, labels);
+    input.body = &body->shaped, input.surface = &mesh;
     input.triangleLabel = triangleLabel, input.rigidTriangle = rigid, input.outlineLabels = labels;
-    input.keypointNames = scan.keypointNames, input.landmarks = body.fit.landmarks;
+    input.keypointNames = scan.keypointNames, input.landmarks = body->fit.landmarks;
     // What the still frames show is too little for found keypoints (priors::kFoundKeypointSigma).
-    input.keypointSigma = scan.keypointsFound || !(body.fit.keypointSigma > 0) ? keypointSigma(scan) : body.fit.keypointSigma;
+    input.keypointSigma = scan.keypointsFound || !(body->fit.keypointSigma > 0) ? keypointSigma(scan) : body->fit.keypointSigma;
     input.pictureWeight = scan.keypointsFound ? priors::kFoundPictureWeight : 1;
     input.searchLimbs = scan.keypointsFound;
-    input.stillPose = body.fit.staticPose;
+    input.stillPose = body->fit.staticPose;
+    RegisterSettings settings;
     settings.progress = [&](double fraction, std::string_view what) {
         context.progress.update(fraction, what);
         return !context.progress.cancelled();
     };
-    DPL_TRY(const Registration registration, registerFrames(input, settings, run.jobs));
+    DPL_TRY(const Registration registration, registerFrames(input, settings, in.jobs()));
     PosesFile file;
-    for (const JointData& joint : body.shaped.joints) file.jointNames.push_back(joint.name);
+    for (const JointData& joint : body->shaped.joints) file.jointNames.push_back(joint.name);
     for (size_t f = 0; f < scan.frames.size(); ++f) {
         const ScanFrame& frame = scan.frames[f];
         file.frames.push_back({frame.name, frameKindName(frame.kind), splitName(frame.split), registration.poses[f], std::nullopt});
@@ -85,28 +105,31 @@ Status fit(const StageRun& run, const IngestedScan& ingested, const FittedBody& 
     return writeFileAtomically(context.folder / "poses.json", posesToJson(file));
 }
 
-}  // namespace
-
-Result<RegisteredPoses> runRegister(const StageRun& run, const IngestedScan& ingested, const FittedBody& body, const FittedSurface& surface,
-                                    Pictures& pictures) {
-    const RegisterSettings settings;
-    const nlohmann::json inputs = {
-        {"training", ingested.trainingHash}, {"body_fit", body.key}, {"surface", surface.key}, {"settings", fieldsJson(settings)}};
-    DPL_TRY(const StageOutput stage, run.chain.run("register", 7, inputs, [&](StageContext& context) {
-        return fit(run, ingested, body, surface, pictures, settings, context);
-    }));
-    const std::filesystem::path path = stage.folder / "poses.json";
+Result<RegisteredPoses> StageOf<RegisteredPoses>::read(StageInputs& in, const std::filesystem::path& folder) {
+    DPL_TRY(const FrameTable* table, in.of<FrameTable>());
+    DPL_TRY(const FittedBody* body, in.of<FittedBody>());
+    const size_t joints = body->shaped.joints.size();
+    const std::filesystem::path path = folder / "poses.json";
     DPL_TRY(const PosesFile file, readPosesFile(path));
-    if (file.frames.size() != ingested.scan.frames.size())
+    if (file.frames.size() != table->rows())
         return fail(Code::CorruptData, "{} does not fit the scan; delete it and run again", path.string());
-    DPL_TRY(auto precisions, readPrecisions(stage.folder / "precisions.bin", file.frames.size(), body.shaped.joints.size()));
-    RegisteredPoses registered{{}, std::move(precisions), stage.key};
+    RegisteredPoses registered;
+    DPL_TRY(registered.precisions, readPrecisions(folder / "precisions.bin", file.frames.size(), joints));
     for (const FramePose& frame : file.frames) {
-        if (frame.pose.localRotations.size() != body.shaped.joints.size())
+        if (frame.pose.localRotations.size() != joints)
             return fail(Code::CorruptData, "{} does not fit the body; delete it and run again", path.string());
-        registered.poses.push_back(frame.pose);
+        registered.poses.poses.push_back(frame.pose);
     }
     return registered;
+}
+
+Result<FrameSet> registeredFrames(StageInputs& in, Split split) {
+    DPL_TRY(const FrameTable* table, in.of<FrameTable>());
+    DPL_TRY(const MetricCameras* metric, in.of<MetricCameras>());
+    DPL_TRY(const RegisteredPoses* registered, in.of<RegisteredPoses>());
+    DPL_TRY(FrameSet set, table->frames(split, metric->cameras, registered->poses.poses));
+    setPrecisions(set, registered->precisions);
+    return set;
 }
 
 }  // namespace dpl

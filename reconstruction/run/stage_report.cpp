@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The stage report: draws the finished avatar.glb with the public SDK and scores it on held-out frames. Its figures do not affect the
-// avatar.
+#include "reconstruction/run/stage_report.h"
+
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
@@ -14,7 +14,13 @@
 #include "reconstruction/run/frame_scores.h"
 #include "reconstruction/run/portrait.h"
 #include "reconstruction/run/scale_figures.h"
-#include "reconstruction/run/stages.h"
+#include "reconstruction/run/settings_json.h"
+#include "reconstruction/run/stage_body_fit.h"
+#include "reconstruction/run/stage_body_map.h"
+#include "reconstruction/run/stage_co_optimise.h"
+#include "reconstruction/run/stage_ingest.h"
+#include "reconstruction/run/stage_package.h"
+#include "reconstruction/run/stage_pose_fit.h"
 #include "reconstruction/subject/body/body_truth.h"
 #include "reconstruction/training/correctives/pose_stress.h"
 #include "sdk/avatar/posed_mesh.h"
@@ -95,9 +101,9 @@ void addGarments(ReportData& data) {
         }
 }
 
-FilmAgainSection filmAgainSection(const IngestedScan& ingested, const MappedBody& mapped) {
+FilmAgainSection filmAgainSection(const FrameTable& table, const MappedBody& mapped) {
     FilmAgainSection section{mapped.advice, {}, {}, mapped.pictures};
-    const auto check = nlohmann::json::parse(ingested.check, nullptr, /*allow_exceptions=*/false);
+    const auto check = nlohmann::json::parse(table.check, nullptr, /*allow_exceptions=*/false);
     if (check.is_object() && check.contains("findings"))
         for (const auto& finding : check["findings"]) section.warnings.push_back(finding.value("sentence", ""));
     for (const auto& p : mapped.figures["places"])
@@ -117,10 +123,10 @@ std::string summaryOf(const ReportData& data, size_t splats, size_t bytes) {
 }
 
 /** Hashes of the labels of frames that were not trained on: the floors and the figures of fine detail read them. */
-nlohmann::json scoredLabels(const IngestedScan& ingested) {
+nlohmann::json scoredLabels(const FrameTable& table) {
     nlohmann::json out = nlohmann::json::array();
-    for (size_t f = 0; f < ingested.scan.frames.size(); ++f)
-        if (ingested.scan.frames[f].split != Split::Train) out.push_back({ingested.scan.frames[f].name, ingested.hashes[f].labels});
+    for (size_t row = 0; row < table.rows(); ++row)
+        if (table.scan.frames[row].split != Split::Train) out.push_back({table.scan.frames[row].name, table.hashes[row].labels});
     return out;
 }
 
@@ -143,76 +149,94 @@ nlohmann::json measuringFiles(const std::filesystem::path& scan) {
 
 }  // namespace
 
-Result<StageOutput> runReport(const StageRun& run, const IngestedScan& ingested, const FittedBody& body, const Training& training,
-                              const Package& package, const FoundPoses& found, const MappedBody& mapped, Pictures& pictures,
-                              const RunSettings& settings) {
-    const nlohmann::json inputs = {{"pose_fit", found.key},
-                                   {"map", mapped.key},
-                                   {"labels", scoredLabels(ingested)},
-                                   {"verdict", ingested.verdict + ingested.validation},
-                                   {"measuring", measuringFiles(ingested.scan.root)}};
-    return run.chain.run("report", 12, inputs, [&](StageContext& context) -> Status {
-        DPL_TRY(AvatarData avatar, readAvatar(package.bytes));
-        DPL_TRY(AvatarInfo info, inspectAvatar(package.bytes));
-        ReportData data;
-        data.title = "Doppel: " + ingested.scan.name;
-        data.facts = {{"scan", ingested.scan.root.filename().string()},
-                      {"body", body.shaped.name},
-                      {"training", formatText("{} steps, at most {} splats; polish {} steps, pose fit {}",
-                                              training.result.curve.empty() ? 0u : training.result.curve.back().step,
-                                              settings.training.maxSplats, settings.polishSteps, settings.poseFit.iterations)},
-                      {"seed", std::to_string(settings.training.seed)},
-                      {"splats", std::to_string(avatar.splats.count())},
-                      {"file", std::to_string(package.bytes.size()) + " bytes"},
-                      {"content hash", info.contentHash}};
-        data.filmAgain = filmAgainSection(ingested, mapped);
-        data.verdict = ingested.verdict + ingested.validation + "\n";
-        data.length = {training.steps, settingsOf({}).training.steps};
-        DPL_TRY(auto view, AvatarView::open(package.bytes, run.jobs.threadCount()));
-        DPL_TRY(data.portrait, drawPortrait(ingested.scan, body.cameras, found.poses, avatar, view, run.jobs));
-        DPL_TRY(const LabelColours labelColours, gatherLabelColours(ingested, pictures));
-        DPL_TRY(const FrameSet heldOut, framesOf(ingested, Split::Test, body.cameras, body.fit.poses, pictures));
-        const auto tell = [&context](double share, const std::string& what) {
-            context.progress.update(share, what);
-            return !context.progress.cancelled();
-        };
-        DPL_TRY(data.frames, scoreFrames(labelColours, heldOut, avatar, view, found.poses, true, run.jobs, tell));
-        DPL_TRY(const FrameSet validation, framesOf(ingested, Split::Validation, body.cameras, body.fit.poses, pictures));
-        DPL_TRY(data.validation, scoreFrames(labelColours, validation, avatar, view, found.poses, false, run.jobs, tell));
-        DPL_TRY(data.ladder, measureLadder({ingested.scan, body.cameras, avatar, found.poses, tell}, run.jobs));
-        DPL_CHECK_OK(addScaleFigures(ingested.scan.root, context.progress, view, heldOut, found.poses, data));
-        DPL_CHECK_OK(addDetailFigures(ingested.scan, context.progress, view, heldOut, found.poses, data));
-        for (const StageRecord& s : run.chain.records()) data.stages.push_back({s.name, s.seconds, s.peakBytes, s.reused});
-        PlotSeries loss{"total", {}, {}}, psnr{"masked", {}, {}};
-        for (const CurvePoint& p : training.result.curve) {
-            loss.x.push_back(p.step), loss.y.push_back(p.loss);
-            psnr.x.push_back(p.step), psnr.y.push_back(p.psnr);
-        }
-        data.lossCurves = {loss};
-        data.psnrCurves = {psnr};
-        addRegistration(ingested.scan, body, found.poses, data);
-        const StepProfile& profile = training.result.profile;
-        const std::string speed = "training step, mean over the last epoch";
-        data.figures.push_back({speed, "step", "ms", profile.stepMs});
-        data.figures.push_back({speed, "pixel-splat pairs", "a step", profile.pairs});
-        data.figures.push_back({speed, "forward", "ns a pair", profile.forwardNsPerPair});
-        data.figures.push_back({speed, "backward", "ns a pair", profile.backwardNsPerPair});
-        if (const PoseStress stress = poseStress(avatar, run.jobs); stress.offsetMm > 0) {
-            const std::string strange = "pose correctives on 64 random poses that nobody trained, 99th percentiles";
-            data.figures.push_back({strange, "offset", "mm", stress.offsetMm});
-            data.figures.push_back({strange, "strain of an edge", "%", stress.strainPercent});
-            data.figures.push_back({strange, "change of brightness", "%", stress.lightPercent});
-        }
-        const std::string size = "avatar file";
-        data.figures.push_back(
-            {size, "splats and SH", "bytes a splat", double(info.splatBytes + info.shBytes) / std::max(1u, info.splats)});
-        data.figures.push_back({size, "whole file", "bytes", double(package.bytes.size())});
-        addWaterfall(data);
-        addGarments(data);
-        data.evidence = avatar.evidence;
-        DPL_CHECK_OK(writeFileAtomically(context.folder / "summary.txt", summaryOf(data, avatar.splats.count(), package.bytes.size())));
-        return writeReport(data, context.folder);
-    });
+Status StageOf<ReportFiles>::inputs(StageInputs& in) {
+    DPL_TRY(const FrameTable* table, in.part<FrameTable>());
+    DPL_TRY([[maybe_unused]] const MetricCameras* cameras, in.part<MetricCameras>());
+    DPL_TRY([[maybe_unused]] const FittedBody* body, in.part<FittedBody>());
+    DPL_TRY([[maybe_unused]] const Training* training, in.part<Training>());
+    DPL_TRY([[maybe_unused]] const SettingsAfterTraining* after, in.part<SettingsAfterTraining>());
+    DPL_TRY([[maybe_unused]] const Package* package, in.part<Package>());
+    in.value("labels", scoredLabels(*table));
+    in.value("verdict", table->verdict + table->validation);
+    in.value("measuring", measuringFiles(table->scan.root));
+    DPL_CHECK_OK(in.use<MappedBody>());
+    return in.use<FoundPoses>();
+}
+
+Status StageOf<ReportFiles>::make(StageInputs& in, StageContext& context) {
+    DPL_TRY(const FrameTable* table, in.of<FrameTable>());
+    DPL_TRY(const MetricCameras* metric, in.of<MetricCameras>());
+    DPL_TRY(const FittedBody* body, in.of<FittedBody>());
+    DPL_TRY(const Training* training, in.of<Training>());
+    DPL_TRY(const SettingsAfterTraining* after, in.of<SettingsAfterTraining>());
+    DPL_TRY(const MappedBody* mapped, in.of<MappedBody>());
+    DPL_TRY(const Package* package, in.of<Package>());
+    DPL_TRY(const FoundPoses* found, in.of<FoundPoses>());
+    const RunSettings& settings = after->settings;
+    DPL_TRY(AvatarData avatar, readAvatar(package->bytes));
+    DPL_TRY(AvatarInfo info, inspectAvatar(package->bytes));
+    ReportData data;
+    data.title = "Doppel: " + table->scan.name;
+    data.facts = {{"scan", table->scan.root.filename().string()},
+                  {"body", body->shaped.name},
+                  {"training", formatText("{} steps, at most {} splats; polish {} steps, pose fit {}",
+                                          training->result.curve.empty() ? 0u : training->result.curve.back().step,
+                                          settings.training.maxSplats, settings.polishSteps, settings.poseFit.iterations)},
+                  {"seed", std::to_string(settings.training.seed)},
+                  {"splats", std::to_string(avatar.splats.count())},
+                  {"file", std::to_string(package->bytes.size()) + " bytes"},
+                  {"content hash", info.contentHash}};
+    data.filmAgain = filmAgainSection(*table, *mapped);
+    data.verdict = table->verdict + table->validation + "\n";
+    data.length = {training->steps, settingsOf({}).training.steps};
+    DPL_TRY(auto view, AvatarView::open(package->bytes, in.jobs().threadCount()));
+    DPL_TRY(data.portrait, drawPortrait(table->scan, metric->cameras, found->poses, avatar, view, in.jobs()));
+    DPL_TRY(const LabelColours labelColours, gatherLabelColours(*table));
+    DPL_TRY(const FrameSet heldOut, table->frames(Split::Test, metric->cameras, body->poses.poses));
+    const auto tell = [&context](double share, const std::string& what) {
+        context.progress.update(share, what);
+        return !context.progress.cancelled();
+    };
+    DPL_TRY(data.frames, scoreFrames(labelColours, heldOut, avatar, view, found->poses, true, in.jobs(), tell));
+    DPL_TRY(const FrameSet validation, table->frames(Split::Validation, metric->cameras, body->poses.poses));
+    DPL_TRY(data.validation, scoreFrames(labelColours, validation, avatar, view, found->poses, false, in.jobs(), tell));
+    DPL_TRY(data.ladder, measureLadder({table->scan, metric->cameras, avatar, found->poses, tell}, in.jobs()));
+    DPL_CHECK_OK(addScaleFigures(table->scan.root, context.progress, view, heldOut, found->poses, data));
+    DPL_CHECK_OK(addDetailFigures(table->scan, context.progress, view, heldOut, found->poses, data));
+    for (const StageRecord& s : in.records()) data.stages.push_back({s.name, s.seconds, s.peakBytes, s.reused});
+    PlotSeries loss{"total", {}, {}}, psnr{"masked", {}, {}};
+    for (const CurvePoint& p : training->result.curve) {
+        loss.x.push_back(p.step), loss.y.push_back(p.loss);
+        psnr.x.push_back(p.step), psnr.y.push_back(p.psnr);
+    }
+    data.lossCurves = {loss};
+    data.psnrCurves = {psnr};
+    addRegistration(table->scan, *body, found->poses, data);
+    const StepProfile& profile = training->result.profile;
+    const std::string speed = "training step, mean over the last epoch";
+    data.figures.push_back({speed, "step", "ms", profile.stepMs});
+    data.figures.push_back({speed, "pixel-splat pairs", "a step", profile.pairs});
+    data.figures.push_back({speed, "forward", "ns a pair", profile.forwardNsPerPair});
+    data.figures.push_back({speed, "backward", "ns a pair", profile.backwardNsPerPair});
+    if (const PoseStress stress = poseStress(avatar, in.jobs()); stress.offsetMm > 0) {
+        const std::string strange = "pose correctives on 64 random poses that nobody trained, 99th percentiles";
+        data.figures.push_back({strange, "offset", "mm", stress.offsetMm});
+        data.figures.push_back({strange, "strain of an edge", "%", stress.strainPercent});
+        data.figures.push_back({strange, "change of brightness", "%", stress.lightPercent});
+    }
+    const std::string size = "avatar file";
+    data.figures.push_back({size, "splats and SH", "bytes a splat", double(info.splatBytes + info.shBytes) / std::max(1u, info.splats)});
+    data.figures.push_back({size, "whole file", "bytes", double(package->bytes.size())});
+    addWaterfall(data);
+    addGarments(data);
+    data.evidence = avatar.evidence;
+    DPL_CHECK_OK(writeFileAtomically(context.folder / "summary.txt", summaryOf(data, avatar.splats.count(), package->bytes.size())));
+    return writeReport(data, context.folder);
+}
+
+Result<ReportFiles> StageOf<ReportFiles>::read(StageInputs&, const std::filesystem::path& folder) {
+    DPL_TRY(const auto summary, readFile(folder / "summary.txt"));
+    return ReportFiles{folder, std::string(summary.begin(), summary.end())};
 }
 
 }  // namespace dpl

@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "reconstruction/run/stage_surface.h"
+
 #include <cstring>
 
-#include "reconstruction/run/stage_keys.h"
-#include "reconstruction/run/stages.h"
+#include "reconstruction/run/settings_json.h"
+#include "reconstruction/run/stage_body_fit.h"
+#include "reconstruction/run/stage_ingest.h"
 #include "reconstruction/subject/surface/fit_surface.h"
 #include "sdk/core/files.h"
 
@@ -22,21 +25,41 @@ Result<std::vector<Vec3f>> readVectors(const std::filesystem::path& path, size_t
     return values;
 }
 
-Status fit(const StageRun& run, const IngestedScan& ingested, const FittedBody& body, Pictures& pictures, SurfaceFitSettings settings,
-           StageContext& context) {
+}  // namespace
+
+MeshData FittedSurface::clothed(const MeshData& body) const {
+    MeshData mesh = body;
+    for (size_t v = 0; v < mesh.restPositions.size(); ++v) mesh.restPositions[v] += restOffsets[v];
+    return mesh;
+}
+
+Status StageOf<FittedSurface>::inputs(StageInputs& in) {
+    DPL_TRY(const FrameTable* table, in.part<FrameTable>());
+    DPL_TRY([[maybe_unused]] const MetricCameras* cameras, in.part<MetricCameras>());
+    in.value("training", table->trainingHash);
+    in.value("settings", fieldsJson(SurfaceFitSettings()));
+    return in.use<FittedBody>();
+}
+
+Status StageOf<FittedSurface>::make(StageInputs& in, StageContext& context) {
+    DPL_TRY(const FrameTable* table, in.of<FrameTable>());
+    DPL_TRY(const MetricCameras* metric, in.of<MetricCameras>());
+    DPL_TRY(const FittedBody* body, in.of<FittedBody>());
+    std::vector<std::shared_ptr<const FramePicture>> pictures;
     std::vector<SurfaceView> views;
-    for (size_t f : silhouetteFrames(ingested)) {
-        DPL_TRY(const auto picture, pictures.of(f));
-        views.push_back({body.cameras[f], picture->mask, body.fit.poses[f]});
+    for (const size_t row : table->silhouetteRows()) {
+        DPL_TRY(pictures.emplace_back(), table->picture(row));
+        views.push_back({metric->cameras[row], pictures.back()->mask, body->poses[row]});
     }
     if (views.empty())
         return fail(Code::InvalidArgument,
                     "no still training frame has a mask; add masks, or run tools/models once, so that networks find the person");
+    SurfaceFitSettings settings;
     settings.progress = [&](double fraction) {
         context.progress.update(fraction, formatText("{} silhouettes", views.size()));
         return !context.progress.cancelled();
     };
-    DPL_TRY(SurfaceFit surface, fitSurface(body.shaped.mesh, body.shaped.joints, views, settings, run.jobs));
+    DPL_TRY(SurfaceFit surface, fitSurface(body->shaped.mesh, body->shaped.joints, views, settings, in.jobs()));
     const nlohmann::json info = {{"mean_iou_before", surface.meanIouBefore},
                                  {"mean_iou_after", surface.meanIouAfter},
                                  {"mean_offset_m", surface.meanOffsetM},
@@ -46,21 +69,15 @@ Status fit(const StageRun& run, const IngestedScan& ingested, const FittedBody& 
     return writeFileAtomically(context.folder / "offsets.bin", bytesOf(surface.restOffsets));
 }
 
-}  // namespace
-
-Result<FittedSurface> runSurface(const StageRun& run, const IngestedScan& ingested, const FittedBody& body, Pictures& pictures) {
-    const SurfaceFitSettings settings;
-    const nlohmann::json inputs = {{"training", ingested.trainingHash}, {"body_fit", body.key}, {"settings", fieldsJson(settings)}};
-    DPL_TRY(const StageOutput stage, run.chain.run("surface", 1, inputs, [&](StageContext& context) {
-        return fit(run, ingested, body, pictures, settings, context);
-    }));
+Result<FittedSurface> StageOf<FittedSurface>::read(StageInputs& in, const std::filesystem::path& folder) {
+    DPL_TRY(const FrameTable* table, in.of<FrameTable>());
+    DPL_TRY(const FittedBody* body, in.of<FittedBody>());
     FittedSurface surface;
-    surface.key = stage.key;
-    DPL_TRY(surface.restOffsets, readVectors(stage.folder / "offsets.bin", body.shaped.mesh.restPositions.size()));
-    surface.poses = body.fit.poses;
-    const std::vector<size_t> frames = silhouetteFrames(ingested);
-    DPL_TRY(const std::vector<Vec3f> sway, readVectors(stage.folder / "sway.bin", frames.size()));
-    for (size_t i = 0; i < frames.size(); ++i) surface.poses[frames[i]].rootTranslation += sway[i];
+    DPL_TRY(surface.restOffsets, readVectors(folder / "offsets.bin", body->shaped.mesh.restPositions.size()));
+    surface.poses.poses = body->poses.poses;
+    const std::vector<size_t> rows = table->silhouetteRows();
+    DPL_TRY(const std::vector<Vec3f> sway, readVectors(folder / "sway.bin", rows.size()));
+    for (size_t i = 0; i < rows.size(); ++i) surface.poses[rows[i]].rootTranslation += sway[i];
     return surface;
 }
 

@@ -8,9 +8,8 @@ namespace {
 
 using nlohmann::ordered_json;
 
-Status writeTo(const StageRun& run, const ordered_json& verdict) {
-    return writeFileAtomically(run.chain.outFolder() / "verdict.json",
-                               verdict.dump(1, ' ', false, ordered_json::error_handler_t::replace) + "\n");
+Status writeTo(const std::filesystem::path& out, const ordered_json& verdict) {
+    return writeFileAtomically(out / "verdict.json", verdict.dump(1, ' ', false, ordered_json::error_handler_t::replace) + "\n");
 }
 
 bool isAboutTheScan(Code code) {
@@ -20,22 +19,22 @@ bool isAboutTheScan(Code code) {
 
 }  // namespace
 
-Error refuse(const StageRun& run, const Refusal& refusal, Error reason) {
+Error refuse(const std::filesystem::path& out, const Refusal& refusal, Error reason) {
     if (!isAboutTheScan(reason.code)) return reason;
     const ordered_json verdict = {{"refused", {{"stage", refusal.stage}, {"reason", reason.message}}},
                                   {"film_again", refusal.filmAgain},
                                   {"places", ordered_json::array()},
                                   {"scan_check", refusal.scanCheck}};
-    if (const Status written = writeTo(run, verdict); !written) reason.message += "\n" + written.error().message;
+    if (const Status written = writeTo(out, verdict); !written) reason.message += "\n" + written.error().message;
     if (reason.code == Code::InvalidArgument) reason.code = Code::Unsupported;  // not the arguments are wrong, but what was filmed
     return reason;
 }
 
-Status writeVerdict(const StageRun& run, const IngestedScan& ingested, const MappedBody& mapped) {
+Status writeVerdict(const std::filesystem::path& out, const ordered_json& figures, const std::string& scanCheck) {
     ordered_json verdict = {{"refused", nullptr}};
-    verdict.update(mapped.figures);
-    verdict["scan_check"] = ordered_json::parse(ingested.check, nullptr, /*allow_exceptions=*/false);
-    return writeTo(run, verdict);
+    verdict.update(figures);
+    verdict["scan_check"] = ordered_json::parse(scanCheck, nullptr, /*allow_exceptions=*/false);
+    return writeTo(out, verdict);
 }
 
 }  // namespace dpl

@@ -7,7 +7,11 @@
 //   scan_check   findings and figures of the scan check; null where the run did not come to it
 #pragma once
 
-#include "reconstruction/run/stages.h"
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "sdk/core/result.h"
 
 namespace dpl {
 
@@ -17,11 +21,13 @@ struct Refusal {
     nlohmann::ordered_json scanCheck;
 };
 
-/** Writes the verdict of a refused scan, and returns `reason` for the caller to return in turn, with Unsupported for InvalidArgument: no
- *  argument is wrong. An error that says nothing about the scan (cancelled, disk full, out of memory) leaves the file as it is. */
-Error refuse(const StageRun& run, const Refusal& refusal, Error reason);
+/** Writes the verdict of a refused scan into `out`, and returns `reason` for the caller to return in turn, with Unsupported for
+ * InvalidArgument: no argument is wrong. An error that says nothing about the scan (cancelled, disk full, out of memory) leaves the file as
+ * it is. */
+Error refuse(const std::filesystem::path& out, const Refusal& refusal, Error reason);
 
-/** Writes the verdict of a scan that can be used. */
-Status writeVerdict(const StageRun& run, const IngestedScan& ingested, const MappedBody& mapped);
+/** Writes the verdict of a scan that can be used into `out`. figures: film_again and places of the stage body-map. scanCheck: the result of
+ *  the scan check as a JSON object. */
+Status writeVerdict(const std::filesystem::path& out, const nlohmann::ordered_json& figures, const std::string& scanCheck);
 
 }  // namespace dpl

@@ -6,8 +6,9 @@
 #include <cstdio>
 #include <map>
 
-#include "reconstruction/run/fit_file.h"
-#include "reconstruction/run/stages.h"
+#include "reconstruction/run/run_request.h"
+#include "reconstruction/run/stage_body_fit.h"
+#include "reconstruction/run/stage_ingest.h"
 #include "reconstruction/subject/body/body_tools.h"
 #include "sdk/core/files.h"
 
@@ -79,18 +80,16 @@ Result<ReconstructResult> reconstructWithTruth(const ReconstructOptions& options
     if (error) return fail(Code::Io, "cannot create {}: {}", options.out.string(), error.message());
     Jobs jobs(options.threadCount);
     StageChain chain(options.out, progress);
-    const StageRun run{chain, jobs, progress};
-    DPL_TRY(const IngestedScan ingested, runIngest(run, options.scan, {}));
-    DPL_TRY(ChosenBody chosen, chooseBody({}, jobs));
-    DPL_TRY(const std::string truth, hashFile(ingested.scan.root / "truth.json"));
-    const nlohmann::json inputs = {{"truth", truth}, {"training", ingested.trainingHash}, {"body", chosen.hash}};
-    DPL_TRY(const StageOutput stage, chain.run("body-fit", 3, inputs, [&](StageContext& context) -> Status {
-        DPL_TRY(const BodyFit fit, fitFromTruth(ingested.scan, chosen.body));
-        return writeFileAtomically(context.folder / "fit.json", fitToJson(fit));
-    }));
-    chosen.body.name += " (shape and poses from truth.json)";
-    DPL_TRY(const FittedBody body, readFittedBody(stage, ingested, chosen.body));
-    return reconstructFrom(run, ingested, body, options);
+    Run run(chain, jobs, progress);
+    run.put(RunRequest{options.scan, options}, "request");
+    DPL_TRY(const FrameTable* table, run.get<FrameTable>());
+    DPL_TRY(const ChosenBody* chosen, run.get<ChosenBody>());
+    DPL_TRY(const std::string truth, hashFile(table->scan.root / "truth.json"));
+    DPL_TRY(BodyFit fit, fitFromTruth(table->scan, chosen->body));
+    BodyModel body = chosen->body;
+    body.name += " (shape and poses from truth.json)";
+    run.put(fittedBody(body, std::move(fit)), hashText(truth + table->trainingHash + chosen->hash));
+    return completeRun(run);
 }
 
 }  // namespace

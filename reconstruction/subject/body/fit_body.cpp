@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "reconstruction/input/capture/triangulate.h"
 #include "reconstruction/subject/body/body_fitter.h"
 #include "reconstruction/subject/body/body_tools.h"
 #include "reconstruction/subject/body/fit_init.h"

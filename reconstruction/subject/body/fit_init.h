@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The start of the fit: triangulate keypoints, align the body's torso to them, then rotate each limb bone towards its points.
+// The start of the fit: align the body's torso to them, then rotate each limb bone towards its points.
 #pragma once
 
 #include <optional>
@@ -9,16 +9,6 @@
 #include "sdk/core/result.h"
 
 namespace dpl {
-
-/** One view's keypoints with its camera. */
-struct KeypointView {
-    Camerad camera;
-    const std::vector<Keypoint>* keypoints = nullptr;
-};
-
-/** 3D positions, in scan units, of the keypoints that two or more views see with confidence; empty for the others. A few wrong detections
- *  are tolerated. */
-std::vector<std::optional<Vec3d>> triangulateKeypoints(const std::vector<KeypointView>& views, size_t keypointCount);
 
 struct FitStart {
     Mat3d rootReference{1};  // world rotation of the root

@@ -1,28 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
-// Training frames, and their levels: a frame at one resolution, cropped, as a training step reads it.
+// The levels of training frames: a frame at one resolution, cropped, as a training step reads it.
 #pragma once
 
-#include <memory>
 #include <span>
 #include <string>
 #include <vector>
 
-#include "reconstruction/input/capture/frame_picture.h"
-#include "reconstruction/input/capture/pose_precision.h"
+#include "reconstruction/input/capture/train_frame.h"
 #include "reconstruction/training/trainer/losses.h"
-#include "sdk/avatar/rig.h"
 
 namespace dpl {
-
-/** One picture with its camera and the subject's pose. Copies share the picture, which is constant. */
-struct TrainFrame {
-    std::string name;
-    FrameKind kind = FrameKind::StaticFull;
-    Camerad camera;
-    Pose pose;
-    std::shared_ptr<const FramePicture> picture;     // of the camera's size
-    std::shared_ptr<const PosePrecision> precision;  // of `pose`; null: nothing is known
-};
 
 /** The poses of the moving frames, in their order. */
 std::vector<Pose> movingPoses(std::span<const TrainFrame> frames);

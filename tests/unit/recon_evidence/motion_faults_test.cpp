@@ -29,8 +29,7 @@ TEST(MotionFaults, aSlowStepIsShortAndTowardsTheNextPose) {
 }
 
 MotionFaults faultsOf(ToyReconstruction& toy, const AvatarData& avatar) {
-    Pictures pictures(toy.ingested.scan);
-    const FrameSet set = must(framesOf(toy.ingested, Split::Train, toy.body.cameras, toy.truth, pictures));
+    const FrameSet set = must(toy.table.frames(Split::Train, toy.metric.cameras, toy.truth));
     AvatarView view = must(AvatarView::open(bytesOf(avatar), 2));
     return must(motionFaults(avatar, view, set.frames, toy.jobs));
 }
@@ -49,8 +48,7 @@ TEST(MotionFaults, lightThatChangesFastFlickers) {
 TEST(MotionFaults, stillFramesAloneShowNone) {
     ToyReconstruction toy;
     toy.takePictures(toy.avatar);
-    Pictures pictures(toy.ingested.scan);
-    FrameSet set = must(framesOf(toy.ingested, Split::Train, toy.body.cameras, toy.truth, pictures));
+    FrameSet set = must(toy.table.frames(Split::Train, toy.metric.cameras, toy.truth));
     std::erase_if(set.frames, [](const TrainFrame& frame) { return frame.kind == FrameKind::Dynamic; });
     ASSERT_GE(set.frames.size(), 2u);
     AvatarData nervous = toy.avatar;

@@ -16,7 +16,7 @@ protected:
         toy_.takePictures(toy_.avatar);
         writeTruth(toy_);
         for (size_t f = 0; f < ToyReconstruction::kFrames; ++f) {
-            const ScanFrame& frame = toy_.ingested.scan.frames[f];
+            const ScanFrame& frame = toy_.table.scan.frames[f];
             poses_.frames.push_back({frame.name, "", frame.split == Split::Test ? "test" : "train", toy_.truth[f], std::nullopt});
         }
         bend(poses_.frames[kMoving].pose, 0.25f);
@@ -26,7 +26,7 @@ protected:
     }
     /** The cell of a rung and a group. */
     LadderCell cell(const std::string& rung, const std::string& kind, const std::string& split) {
-        auto ladder = measureLadder({toy_.ingested.scan, toy_.body.cameras, toy_.avatar, poses_, {}}, toy_.jobs);
+        auto ladder = measureLadder({toy_.table.scan, toy_.metric.cameras, toy_.avatar, poses_, {}}, toy_.jobs);
         if (!ladder) throw std::runtime_error(ladder.error().message);
         for (const LadderRung& r : (*ladder)->rungs)
             for (size_t g = 0; g < (*ladder)->groups.size(); ++g)
@@ -37,8 +37,8 @@ protected:
     /** Masked PSNR of the moving held-out frame, drawn by the public renderer in a pose. */
     double shownDb(const Pose& pose) {
         AvatarView view = must(AvatarView::open(toy_.package.bytes, 2));
-        const FramePicture picture = must(readFramePicture(toy_.ingested.scan.frames[kMoving]));
-        return scorePicture(must(view.draw(pose, toy_.body.cameras[kMoving])), picture.image, picture.mask).maskedPsnrDb;
+        const FramePicture picture = must(readFramePicture(toy_.table.scan.frames[kMoving]));
+        return scorePicture(must(view.draw(pose, toy_.metric.cameras[kMoving])), picture.image, picture.mask).maskedPsnrDb;
     }
 
     static constexpr size_t kMoving = 7;  // held out
@@ -67,7 +67,7 @@ TEST_F(LadderTest, aShapeThatTheRigCannotMakeShowsInTheSurfaceAlone) {
     for (Vec3f& p : tall.mesh.restPositions) p.y = 0.7f + 1.15f * (p.y - 0.7f);
     toy_.takePictures(tall);
     for (size_t f : {size_t(3), size_t(4), kMoving})
-        mustWrite(toy_.ingested.scan.root / "posed" / (toy_.ingested.scan.frames[f].name + ".bin"),
+        mustWrite(toy_.table.scan.root / "posed" / (toy_.table.scan.frames[f].name + ".bin"),
                   floatsOf(ballIn(tall, toy_.truth[f], toy_.jobs)));
     const LadderCell poses = cell("true_poses", "dynamic", "test"), surface = cell("true_surface", "dynamic", "test");
     EXPECT_GT(*poses.surfaceMm, 5);
@@ -85,9 +85,9 @@ TEST_F(LadderTest, garmentsAreComparedWithAndWithoutPoseCorrectives) {
     poses_.frames[kMoving].pose = toy_.truth[kMoving];
     PosedMesh posed;
     posed.pose({avatar.joints, mesh, avatar.correctives, restTriangles(mesh)}, toy_.truth[kMoving], toy_.jobs);
-    mustWrite(toy_.ingested.scan.root / "posed" / (toy_.ingested.scan.frames[kMoving].name + ".bin"),
+    mustWrite(toy_.table.scan.root / "posed" / (toy_.table.scan.frames[kMoving].name + ".bin"),
               floatsOf({posed.positions().begin(), posed.positions().end()}));
-    const auto ladder = must(measureLadder({toy_.ingested.scan, toy_.body.cameras, avatar, poses_, {}}, toy_.jobs));
+    const auto ladder = must(measureLadder({toy_.table.scan, toy_.metric.cameras, avatar, poses_, {}}, toy_.jobs));
     ASSERT_TRUE(ladder);
     ASSERT_EQ(ladder->garments.size(), 2u);
     const GarmentRow& row = ladder->garments[0];
@@ -106,15 +106,15 @@ TEST_F(LadderTest, aRungThatDoesNotApplyIsEmpty) {
 }
 
 TEST_F(LadderTest, aScanWithoutTruthHasNone) {
-    std::filesystem::remove_all(toy_.ingested.scan.root / "geometry");
-    const auto ladder = measureLadder({toy_.ingested.scan, toy_.body.cameras, toy_.avatar, poses_, {}}, toy_.jobs);
+    std::filesystem::remove_all(toy_.table.scan.root / "geometry");
+    const auto ladder = measureLadder({toy_.table.scan, toy_.metric.cameras, toy_.avatar, poses_, {}}, toy_.jobs);
     ASSERT_TRUE(ladder) << ladder.error().message;
     EXPECT_FALSE(*ladder);
 }
 
 TEST_F(LadderTest, posesOfAnotherScanAreRefused) {
     poses_.frames.pop_back();
-    EXPECT_FALSE(measureLadder({toy_.ingested.scan, toy_.body.cameras, toy_.avatar, poses_, {}}, toy_.jobs));
+    EXPECT_FALSE(measureLadder({toy_.table.scan, toy_.metric.cameras, toy_.avatar, poses_, {}}, toy_.jobs));
 }
 
 }  // namespace

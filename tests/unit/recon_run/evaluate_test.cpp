@@ -31,7 +31,7 @@ protected:
         for (size_t f = 0; f < ToyReconstruction::kFrames; ++f) {
             Pose pose = toy.truth[f];
             pose.localRotations[1] = pose.localRotations[1] * glm::angleAxis(0.15f, Vec3f(1, 0, 0));  // not quite the truth
-            poses.frames.push_back({toy.ingested.scan.frames[f].name, "", "", pose, std::nullopt});
+            poses.frames.push_back({toy.table.scan.frames[f].name, "", "", pose, std::nullopt});
         }
         shown_ = poses;
         must_(writeFileAtomically(toy.folder / "poses.json", posesToJson(poses)));
@@ -40,7 +40,7 @@ protected:
     void writeScanOf(const std::string& protocol) {
         Capture capture;
         capture.what = "toy", capture.metricWorld = false, capture.splitStated = true, capture.protocol = protocol;
-        for (const ScanFrame& frame : toy.ingested.scan.frames) {
+        for (const ScanFrame& frame : toy.table.scan.frames) {
             CapturePicture picture{frame.name, frame.kind, frame.split, frame.imagePath, frame.maskPath, frame.camera, {}, 0, {}};
             picture.camera->viewFromWorldTranslation /= kMetresPerUnit;
             capture.pictures.push_back(picture);
@@ -69,7 +69,7 @@ TEST_F(Evaluate, givesThePublishedScoresOfTheHeldOutFrames) {
     AvatarView view = must(AvatarView::open(toy.package.bytes, 2));
     double psnr = 0, ssim = 0;
     for (size_t f = ToyReconstruction::kTrained; f < ToyReconstruction::kFrames; ++f) {
-        const ScanFrame& frame = toy.ingested.scan.frames[f];
+        const ScanFrame& frame = toy.table.scan.frames[f];
         const auto rgba = must(view.draw(shown_.frames[f].pose, frame.camera));
         const ImageRgb8 truth = must(readFrameImage(frame));
         const ImageGrey8 mask = must(readFrameMask(frame));
@@ -104,7 +104,7 @@ TEST_F(Evaluate, withoutAProtocolThereAreOnlyOurFigures) {
 
 TEST_F(Evaluate, camerasThatTheRunRepairedStandInForTheScans) {
     const std::string right = must(evaluateAvatar(options, toy.progress));
-    for (ScanFrame& frame : toy.ingested.scan.frames) frame.camera.cx += 30;  // what the scan on disk says is wrong from here on
+    for (ScanFrame& frame : toy.table.scan.frames) frame.camera.cx += 30;  // what the scan on disk says is wrong from here on
     FoundCameras repaired = camerasOf(must(readScan(options.scan)));
     writeScanOf("neuman");
     EXPECT_NE(must(evaluateAvatar(options, toy.progress)), right);

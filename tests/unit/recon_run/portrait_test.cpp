@@ -11,14 +11,14 @@ namespace {
 class PortraitTest : public testing::Test {
 protected:
     PortraitTest() {
-        std::swap(toy_.body.cameras[0], toy_.body.cameras[kFront]);  // the first camera stands before the front (+Z)
+        std::swap(toy_.metric.cameras[0], toy_.metric.cameras[kFront]);  // the first camera stands before the front (+Z)
         for (size_t f = 0; f < ToyReconstruction::kFrames; ++f)
-            poses_.frames.push_back({toy_.ingested.scan.frames[f].name, "", "", toy_.truth[f], std::nullopt});
+            poses_.frames.push_back({toy_.table.scan.frames[f].name, "", "", toy_.truth[f], std::nullopt});
     }
     static constexpr size_t kFront = 2;
     Portrait draw() {
         AvatarView view = must(AvatarView::open(toy_.package.bytes, 2));
-        return must(drawPortrait(toy_.ingested.scan, toy_.body.cameras, poses_, toy_.avatar, view, toy_.jobs));
+        return must(drawPortrait(toy_.table.scan, toy_.metric.cameras, poses_, toy_.avatar, view, toy_.jobs));
     }
     static Picture decoded(const Portrait& portrait) { return must(decodePicture(portrait.png, PictureChannels::Rgb)); }
     /** Mean of the pixels' darkness in a quarter of the picture, by the halves that it lies in. */
@@ -52,7 +52,7 @@ TEST_F(PortraitTest, showsTheFrontWholeAndOnWhite) {
 
 TEST_F(PortraitTest, isUprightHoweverThePhoneWasHeld) {
     const Picture upright = decoded(draw());
-    Camerad& camera = toy_.body.cameras[kFront];  // turned by a quarter: what was right is down
+    Camerad& camera = toy_.metric.cameras[kFront];  // turned by a quarter: what was right is down
     const Mat3d quarter(Vec3d(0, 1, 0), Vec3d(-1, 0, 0), Vec3d(0, 0, 1));
     camera.viewFromWorldRotation = quarter * camera.viewFromWorldRotation;
     camera.viewFromWorldTranslation = quarter * camera.viewFromWorldTranslation;
@@ -67,18 +67,18 @@ TEST_F(PortraitTest, isUprightHoweverThePhoneWasHeld) {
 
 TEST_F(PortraitTest, stillFramesComeFirstThenMovingOnesThenCloseUps) {
     for (size_t f = 0; f < ToyReconstruction::kFrames; ++f)
-        toy_.ingested.scan.frames[f].kind = f == kFront ? FrameKind::StaticCloseup : f == 4 ? FrameKind::StaticFull : FrameKind::Dynamic;
+        toy_.table.scan.frames[f].kind = f == kFront ? FrameKind::StaticCloseup : f == 4 ? FrameKind::StaticFull : FrameKind::Dynamic;
     EXPECT_EQ(draw().frame, "frame_4") << "although it shows the side";
-    toy_.ingested.scan.frames[4].kind = FrameKind::StaticCloseup;
+    toy_.table.scan.frames[4].kind = FrameKind::StaticCloseup;
     const std::string moving = draw().frame;
     EXPECT_NE(moving, "frame_2");
     EXPECT_NE(moving, "frame_4");
 }
 
 TEST_F(PortraitTest, camerasThatDoNotSeeThePersonDrawNothing) {
-    toy_.body.cameras[kFront].viewFromWorldTranslation.z = -5;  // the person is behind it
+    toy_.metric.cameras[kFront].viewFromWorldTranslation.z = -5;  // the person is behind it
     EXPECT_NE(draw().frame, "frame_2");
-    for (Camerad& camera : toy_.body.cameras) camera.viewFromWorldTranslation.z = -5;
+    for (Camerad& camera : toy_.metric.cameras) camera.viewFromWorldTranslation.z = -5;
     EXPECT_TRUE(draw().png.empty());
 }
 

@@ -14,8 +14,7 @@ namespace {
 constexpr RetrainParts kNoLight{.correctiveOffsets = true, .correctiveLight = false};
 
 std::vector<TrainFrame> framesOfToy(ToyReconstruction& toy) {
-    Pictures pictures(toy.ingested.scan);
-    return must(framesOf(toy.ingested, Split::Train, toy.body.cameras, toy.truth, pictures)).frames;
+    return must(toy.table.frames(Split::Train, toy.metric.cameras, toy.truth)).frames;
 }
 
 double scoreOf(const AvatarData& avatar, const std::vector<TrainFrame>& frames) {

@@ -23,12 +23,18 @@ class StageCoOptimise : public testing::Test {
 protected:
     StageCoOptimise() {
         toy_.takePictures(toy_.avatar);
-        dressed_.clothed.mesh = toy_.avatar.mesh;
-        dressed_.key = "dressed";
+        toy_.layers.clothed.mesh = toy_.avatar.mesh;
+        toy_.settings = withBudget();
     }
-    Result<Training> train() {
-        Pictures pictures(toy_.ingested.scan);
-        return runCoOptimise(toy_.run, toy_.ingested, toy_.body, dressed_, toy_.registered, pictures, withBudget());
+    struct Trained : Training {
+        std::string key;
+    };
+    Result<Trained> train() {
+        Run run(toy_.chain, toy_.jobs, toy_.progress);
+        toy_.give(run);
+        DPL_TRY(const Training* training, run.get<Training>());
+        DPL_TRY(const std::string key, run.keyOf<Training>());
+        return Trained{*training, key};
     }
 
     /** Makes the finished stage look as if the process had died after the last file of the work folder, before the manifest. */
@@ -40,7 +46,6 @@ protected:
     }
 
     ToyReconstruction toy_;
-    DressedBody dressed_;
     const fs::path folder_ = toy_.folder / "out" / "stages" / "co-optimise", work_ = folder_.string() + ".work";
 };
 
@@ -67,24 +72,24 @@ TEST_F(StageCoOptimise, aStopIsHeardInTheProbe) {
 }
 
 TEST_F(StageCoOptimise, theStepsThatABudgetAllowedArePartOfTheKeyOfLaterStages) {
-    const Training first = must(train());
+    const Trained first = must(train());
     EXPECT_EQ(first.steps, 100u);
     EXPECT_EQ(must(train()).key, first.key) << "read back";
     killBeforeTheManifest();
     fs::remove(work_ / "trained.bin");
     ASSERT_TRUE(writeFileAtomically(work_ / "steps.txt", std::string("110")));  // as a faster machine allows
-    const Training second = must(train());
+    const Trained second = must(train());
     EXPECT_EQ(second.steps, 110u);
     EXPECT_NE(second.key, first.key);
     EXPECT_EQ(must(train()).key, second.key) << "read back";
 }
 
 TEST_F(StageCoOptimise, aKillBeforeTheManifestCostsNothing) {
-    const Training whole = must(train());
+    const Trained whole = must(train());
     const auto bytes = must(readFile(folder_ / "trained.bin"));
     killBeforeTheManifest();
     ASSERT_TRUE(writeFileAtomically(work_ / "checkpoint", std::string("the last one")));
-    fs::remove_all(toy_.ingested.scan.root);  // training again would miss the pictures
+    fs::remove_all(toy_.table.scan.root);  // training again would miss the pictures
     const auto again = train();
     ASSERT_TRUE(again) << again.error().message;
     EXPECT_EQ(must(readFile(folder_ / "trained.bin")), bytes);

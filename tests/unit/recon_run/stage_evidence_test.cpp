@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
 
+#include "reconstruction/run/stage_assemble.h"
+#include "reconstruction/run/stage_evidence.h"
 #include "tests/unit/recon_run/toy_reconstruction.h"
 
 namespace dpl::test {
@@ -8,15 +10,15 @@ namespace {
 
 /** Runs the stage for `toy.avatar` with its training frames. */
 Result<MeasuredParts> measure(ToyReconstruction& toy) {
-    Pictures pictures(toy.ingested.scan);
-    Lazy<AssembledAvatar> trained([&]() -> Result<AssembledAvatar> {
-        DPL_TRY(FrameSet set, framesOf(toy.ingested, Split::Train, toy.body.cameras, toy.truth, pictures));
-        return AssembledAvatar{toy.avatar, std::move(set.frames)};
-    });
-    RunSettings settings = settingsOf({});
-    settings.training.steps = 250;  // so an avatar is trained on for 20 steps
-    settings.poseFit.iterations = 30;
-    return runEvidence(toy.run, toy.ingested, toy.body, toy.registered, toy.training, trained, pictures, settings);
+    toy.settings.training.steps = 250;  // so an avatar is trained on for 20 steps
+    toy.settings.poseFit.iterations = 30;
+    Run run(toy.chain, toy.jobs, toy.progress);
+    toy.giveTrained(run);
+    DPL_TRY(const FrameTable* table, run.get<FrameTable>());
+    DPL_TRY(FrameSet set, table->frames(Split::Train, toy.metric.cameras, toy.truth));
+    run.put(AssembledAvatar{toy.avatar, std::move(set.frames), {}}, toy.trainingKey);
+    DPL_TRY(const MeasuredParts* measured, run.get<MeasuredParts>());
+    return *measured;
 }
 
 const EvidenceData& rowOf(const MeasuredParts& measured, AvatarPart part) {
@@ -32,7 +34,7 @@ TEST(StageEvidence, keepsAPartThatHelpsAndDropsOneThatDoesNot) {
         AvatarData shown = toy.avatar;
         removePart(shown, offsetsAreTrue ? AvatarPart::ViewDependentColour : AvatarPart::CorrectiveOffsets);
         toy.takePictures(shown);
-        toy.training.key = offsetsAreTrue ? "first" : "second";
+        toy.trainingKey = offsetsAreTrue ? "first" : "second";
         const auto measured = measure(toy);
         ASSERT_TRUE(measured) << measured.error().message;
         ASSERT_EQ(measured->parts.size(), 3u);
@@ -57,7 +59,7 @@ TEST(StageEvidence, validationFramesDecideAgainstTrainingFrames) {
         toy.takePictures(validationShowsIt ? without : toy.avatar);
         toy.takePictures(validationShowsIt ? toy.avatar : without, ToyReconstruction::kTrained);
         for (size_t f = ToyReconstruction::kTrained; f < ToyReconstruction::kFrames; ++f)
-            toy.ingested.scan.frames[f].split = Split::Validation;
+            toy.table.scan.frames[f].split = Split::Validation;
         const auto measured = measure(toy);
         ASSERT_TRUE(measured) << measured.error().message;
         const EvidenceData& offsets = rowOf(*measured, AvatarPart::CorrectiveOffsets);
@@ -70,8 +72,8 @@ TEST(StageEvidence, closeupsAreJudgedByTheirDetailAlone) {
     ToyReconstruction toy;
     toy.avatar.correctives = ballCorrectives(toy.avatar.mesh, {0.04f, 0, 0, 0}, {0, 0, 0.04f, 0});
     toy.takePictures(toy.avatar);
-    for (size_t f = ToyReconstruction::kTrained; f < ToyReconstruction::kFrames; ++f) toy.ingested.scan.frames[f].split = Split::Validation;
-    toy.ingested.scan.frames[ToyReconstruction::kTrained].kind = FrameKind::StaticCloseup;
+    for (size_t f = ToyReconstruction::kTrained; f < ToyReconstruction::kFrames; ++f) toy.table.scan.frames[f].split = Split::Validation;
+    toy.table.scan.frames[ToyReconstruction::kTrained].kind = FrameKind::StaticCloseup;
     const auto measured = measure(toy);
     ASSERT_TRUE(measured) << measured.error().message;
     const std::string& reason = rowOf(*measured, AvatarPart::CorrectiveOffsets).reason;
@@ -103,7 +105,7 @@ TEST(StageEvidence, heldOutFramesDecideNothing) {
     toy.avatar.correctives = ballCorrectives(toy.avatar.mesh, {0.04f, 0, 0, 0}, {0, 0, 0.04f, 0});
     toy.takePictures(toy.avatar);
     for (size_t f = ToyReconstruction::kTrained; f < ToyReconstruction::kFrames; ++f)
-        std::filesystem::remove(toy.ingested.scan.frames[f].imagePath);
+        std::filesystem::remove(toy.table.scan.frames[f].imagePath);
     const auto measured = measure(toy);
     ASSERT_TRUE(measured) << measured.error().message;
     const EvidenceData& offsets = rowOf(*measured, AvatarPart::CorrectiveOffsets);

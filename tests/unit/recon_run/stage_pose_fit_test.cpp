@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "reconstruction/judging/report/score.h"
+#include "reconstruction/run/stage_pose_fit.h"
 #include "tests/unit/recon_run/toy_reconstruction.h"
 
 namespace dpl::test {
@@ -12,14 +13,15 @@ constexpr size_t kStill = 5, kMoving = 7;  // held-out frames
 class StagePoseFit : public testing::Test {
 protected:
     Result<FoundPoses> fit() {
-        Pictures pictures(toy_.ingested.scan);
-        RunSettings settings = settingsOf({});
-        return runPoseFit(toy_.run, toy_.ingested, toy_.body, toy_.registered, toy_.training, toy_.package, pictures, settings);
+        Run run(toy_.chain, toy_.jobs, toy_.progress);
+        toy_.giveTrained(run);
+        DPL_TRY(const FoundPoses* found, run.get<FoundPoses>());
+        return *found;
     }
     double psnrDb(size_t f, const Pose& pose) {
         AvatarView view = must(AvatarView::open(toy_.package.bytes, 2));
-        const FramePicture picture = must(readFramePicture(toy_.ingested.scan.frames[f]));
-        return scorePicture(must(view.draw(pose, toy_.body.cameras[f])), picture.image, picture.mask).maskedPsnrDb;
+        const FramePicture picture = must(readFramePicture(toy_.table.scan.frames[f]));
+        return scorePicture(must(view.draw(pose, toy_.metric.cameras[f])), picture.image, picture.mask).maskedPsnrDb;
     }
 
     ToyReconstruction toy_;
@@ -62,7 +64,7 @@ TEST_F(StagePoseFit, movesRootAndJointsOfHeldOutFramesAndLowersTheError) {
 TEST_F(StagePoseFit, keepsTheTrainedPosesOfTrainingFrames) {
     toy_.takePictures(toy_.avatar);
     toy_.training.result.poses[1].rootTranslation = {0.01f, 0.02f, 0.03f};
-    toy_.ingested.usable[2] = false;  // then training has only four poses
+    toy_.table.usable[2] = false;  // then training has only four poses
     toy_.training.result.poses.erase(toy_.training.result.poses.begin() + 2);
     toy_.registered.poses[2].rootTranslation = {0.5f, 0, 0};
     const auto found = fit();
@@ -81,7 +83,7 @@ TEST_F(StagePoseFit, keepsTheTrainedPosesOfTrainingFrames) {
 TEST_F(StagePoseFit, registersHeldOutFramesByTheirTrainedNeighbours) {
     toy_.takePictures(toy_.avatar);
     for (Pose& pose : toy_.training.result.poses) pose.rootTranslation += Vec3f(0, 0.03f, 0);  // training moved every pose
-    std::filesystem::remove(toy_.ingested.scan.frames[kStill].imagePath);
+    std::filesystem::remove(toy_.table.scan.frames[kStill].imagePath);
     const auto found = fit();
     ASSERT_TRUE(found) << found.error().message;
     const FramePose &still = found->poses.frames[kStill], &moving = found->poses.frames[kMoving];

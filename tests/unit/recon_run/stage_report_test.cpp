@@ -2,6 +2,9 @@
 #include <gtest/gtest.h>
 
 #include "reconstruction/judging/report/score.h"
+#include "reconstruction/run/stage_body_map.h"
+#include "reconstruction/run/stage_pose_fit.h"
+#include "reconstruction/run/stage_report.h"
 #include "reconstruction/subject/body/body_truth.h"
 #include "tests/unit/recon_run/toy_reconstruction.h"
 
@@ -15,22 +18,23 @@ protected:
         toy_.avatar.evidence = {{"garment layer: top", true, 0, 0, "12 triangles"}, {"garment layer: hair", false, 0, 0, "not seen"}};
         toy_.package.bytes = bytesOf(toy_.avatar);
         for (size_t f = 0; f < ToyReconstruction::kFrames; ++f) {
-            const ScanFrame& frame = toy_.ingested.scan.frames[f];
+            const ScanFrame& frame = toy_.table.scan.frames[f];
             const bool heldOut = frame.split == Split::Test;
             FramePose pose{frame.name, "", heldOut ? "test" : "train", toy_.truth[f], std::nullopt};
             pose.pose.rootTranslation.x += 0.02f;  // the registered pose is 2 cm off
             if (heldOut) pose.fittedPose = toy_.truth[f];
             found_.poses.frames.push_back(pose);
         }
-        found_.key = "poses";
     }
     /** report.json, after a run of the stage. */
     nlohmann::json report() {
-        Pictures pictures(toy_.ingested.scan);
-        const auto stage =
-            runReport(toy_.run, toy_.ingested, toy_.body, toy_.training, toy_.package, found_, mapped_, pictures, settingsOf({}));
-        if (!stage) throw std::runtime_error(stage.error().message);
-        folder_ = stage->folder;
+        Run run(toy_.chain, toy_.jobs, toy_.progress);
+        toy_.giveTrained(run);
+        run.put(mapped_, "map");
+        run.put(found_, posesKey_);
+        const auto files = run.get<ReportFiles>();
+        if (!files) throw std::runtime_error(files.error().message);
+        folder_ = (*files)->folder;
         return nlohmann::json::parse(text("report.json"));
     }
     /** A file of that run. */
@@ -43,14 +47,15 @@ protected:
         AvatarView view = must(AvatarView::open(toy_.package.bytes, 2));
         double sum = 0;
         for (const size_t f : frames) {
-            const FramePicture picture = must(readFramePicture(toy_.ingested.scan.frames[f]));
-            sum += scorePicture(must(view.draw(poseOf(f), toy_.body.cameras[f])), picture.image, picture.mask).maskedPsnrDb;
+            const FramePicture picture = must(readFramePicture(toy_.table.scan.frames[f]));
+            sum += scorePicture(must(view.draw(poseOf(f), toy_.metric.cameras[f])), picture.image, picture.mask).maskedPsnrDb;
         }
         return sum / double(frames.size());
     }
 
     ToyReconstruction toy_;
     FoundPoses found_;
+    std::string posesKey_ = "poses";
     MappedBody mapped_{"What to film again, the most helpful first:\n  1. Film the face\n",
                        {{"film_again", nlohmann::json::array()},
                         {"places", nlohmann::json::array({{{"name", "the face"}, {"mm_per_pixel", 1.5}, {"pictures", 7}}})}},
@@ -104,7 +109,7 @@ TEST_F(StageReport, endsWithWordsForWhoFilmed) {
 }
 
 TEST_F(StageReport, warningsOfTheCheckStandUnderWhatToFilmAgain) {
-    toy_.ingested.check = R"({"findings": [{"topic": "blur", "sentence": "3 pictures are soft"}]})";
+    toy_.table.check = R"({"findings": [{"topic": "blur", "sentence": "3 pictures are soft"}]})";
     report();
     const std::string html = text("report.html");
     EXPECT_LT(html.find("What to film again"), html.find("<li>3 pictures are soft</li>"));
@@ -121,13 +126,13 @@ TEST_F(StageReport, opensWithThePersonFromTheFront) {
 TEST_F(StageReport, comparesWithTheTruthAndSaysWhoseBodyItIs) {
     // The truth of the moving held-out frame is 20 mm beside the fit.
     toy_.body.shaped.keypoints = {{"root", {}, {{0, 1.0f}}}, {"top", {}, {{1, 1.0f}}}};
-    toy_.ingested.scan.keypointNames = {"root", "top"};
-    toy_.ingested.scan.name = "procedural-1";
+    toy_.table.scan.keypointNames = {"root", "top"};
+    toy_.table.scan.name = "procedural-1";
     nlohmann::json points;
-    for (const PosedKeypoint& k : posedKeypoints(toy_.body.shaped, toy_.truth[7], toy_.ingested.scan.keypointNames))
+    for (const PosedKeypoint& k : posedKeypoints(toy_.body.shaped, toy_.truth[7], toy_.table.scan.keypointNames))
         points.push_back({k.place.x + 0.02, -k.place.z, k.place.y});  // truth.json is z-up
     const nlohmann::json truth = {{"shape", {{"body", "ball"}}}, {"frames", {{{"name", "frame_7"}, {"keypoints_world", points}}}}};
-    ASSERT_TRUE(writeFileAtomically(toy_.ingested.scan.root / "truth.json", truth.dump()));
+    ASSERT_TRUE(writeFileAtomically(toy_.table.scan.root / "truth.json", truth.dump()));
     const nlohmann::json json = report();
     size_t figures = 0;
     for (const auto& figure : json["figures"]) {
@@ -144,8 +149,8 @@ TEST_F(StageReport, comparesWithTheTruthAndSaysWhoseBodyItIs) {
     EXPECT_NE(json["provenance"][1].get<std::string>().find("same body model"), std::string::npos);
 
     toy_.body.shaped.name = "another";
-    toy_.ingested.scan.name = "toy";
-    found_.key = "other poses";  // else the stage is reused
+    toy_.table.scan.name = "toy";
+    posesKey_ = "other poses";  // else the stage is reused
     const nlohmann::json other = report();
     ASSERT_EQ(other["provenance"].size(), 1u);
     EXPECT_TRUE(other["provenance"][0].get<std::string>().starts_with("Not of the development set, by its name."));

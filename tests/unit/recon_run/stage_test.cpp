@@ -43,27 +43,6 @@ TEST_F(Stages, runsOnceAndIsReusedUntilItsInputsChange) {
     EXPECT_NE(second->key, first->key);
 }
 
-TEST_F(Stages, thePriorsAreInEveryKey) {
-    const auto done = runOnce({{"a", 1}}, [](StageContext&) { return Status{}; });
-    ASSERT_TRUE(done);
-    const auto bytes = readFile(done->folder / "manifest.json");
-    ASSERT_TRUE(bytes);
-    const auto manifest = json::parse(bytes->begin(), bytes->end());
-    EXPECT_EQ(manifest["inputs"]["priors"].get<std::string>().size(), 64u) << "SHA-256 of their values";
-}
-
-TEST_F(Stages, anOlderLayoutIsNamedAndKept) {
-    for (const char* name : {"stages/01-ingest", "stages/03-body-fit", "stages/ingest"})
-        std::filesystem::create_directories(folder_ / name);
-    StageChain chain(folder_, progress_);
-    EXPECT_EQ(chain.numberedFolders(), (std::vector<std::string>{"01-ingest", "03-body-fit"}));
-    int runs = 0;
-    ASSERT_TRUE(chain.run("body-fit", 1, {{"a", 1}}, [&](StageContext&) { return ++runs, Status{}; }));
-    EXPECT_EQ(runs, 1) << "a numbered folder is never taken for a finished stage";
-    EXPECT_TRUE(std::filesystem::exists(folder_ / "stages/03-body-fit"));
-    EXPECT_TRUE(StageChain(folder_ / "nowhere", progress_).numberedFolders().empty());
-}
-
 TEST_F(Stages, aDamagedOrMissingFileIsMadeAgain) {
     int runs = 0;
     const auto work = [&](StageContext& context) -> Status {

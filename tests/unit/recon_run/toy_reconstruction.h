@@ -11,7 +11,13 @@
 
 #include "reconstruction/base/image_codec.h"
 #include "reconstruction/judging/report/draw_view.h"
-#include "reconstruction/run/stages.h"
+#include "reconstruction/run/run_request.h"
+#include "reconstruction/run/stage_body_fit.h"
+#include "reconstruction/run/stage_co_optimise.h"
+#include "reconstruction/run/stage_garments.h"
+#include "reconstruction/run/stage_ingest.h"
+#include "reconstruction/run/stage_package.h"
+#include "reconstruction/run/stage_register.h"
 #include "sdk/core/files.h"
 #include "sdk/format/avatar_file.h"
 #include "tests/reference/random_avatar.h"
@@ -52,7 +58,7 @@ public:
         ball.splats.opacity.assign(ball.splats.count(), 0.97f);
         ball.splats.scaleM.assign(ball.splats.count(), Vec2f(0.012f));
         avatar = must(readAvatar(bytesOf(ball)));
-        Scan& scan = ingested.scan;
+        Scan& scan = table.scan;
         scan.root = folder / "scan", scan.name = "toy";
         for (size_t f = 0; f < kFrames; ++f) {
             const bool moving = f == 3 || f == 4 || f == 7;
@@ -66,16 +72,15 @@ public:
             Pose pose = Pose::rest(2);
             if (moving) pose.localRotations[1] = glm::angleAxis(f == 3 ? 0.5f : f == 4 ? -0.4f : 0.3f, Vec3f(1, 0, 0));
             truth.push_back(pose);
-            body.cameras.push_back(frame.camera);
+            metric.cameras.push_back(frame.camera);
             scan.frames.push_back(frame);
         }
-        ingested.usable.assign(kFrames, true);
-        ingested.hashes.assign(kFrames, FrameHashes{"none", "none", "none", "none"});
+        table.usable.assign(kFrames, true);
+        table.hashes.assign(kFrames, FrameHashes{"none", "none", "none", "none"});
         body.shaped.name = "ball", body.shaped.joints = avatar.joints, body.shaped.mesh = avatar.mesh;
-        body.fit.poses = registered.poses = truth;
+        body.fit.poses = body.poses.poses = registered.poses.poses = truth;
         registered.precisions.resize(kFrames);
         training.result.poses.assign(truth.begin(), truth.begin() + kTrained);
-        training.key = "trained", registered.key = "register", package.key = "package";
         package.bytes = bytesOf(avatar);
     }
     ToyReconstruction(const ToyReconstruction&) = delete;
@@ -85,7 +90,7 @@ public:
     void takePictures(const AvatarData& shown, size_t first = 0) {
         AvatarView view = must(AvatarView::open(bytesOf(shown), 2));
         for (size_t f = first; f < kFrames; ++f) {
-            const ScanFrame& frame = ingested.scan.frames[f];
+            const ScanFrame& frame = table.scan.frames[f];
             const std::vector<uint8_t> rgba = must(view.draw(truth[f], frame.camera));
             std::vector<uint8_t> rgb, mask;
             for (size_t i = 0; i < rgba.size(); i += 4) {
@@ -101,15 +106,37 @@ public:
     const std::filesystem::path folder = newFolder();
     AvatarData avatar;        // decoded
     std::vector<Pose> truth;  // of all frames
-    IngestedScan ingested;
+    FrameTable table;
+    MetricCameras metric;
     FittedBody body;
+    GarmentLayers layers;
     RegisteredPoses registered;
     Training training;
     Package package;
+    RunSettings settings = settingsOf({});
+    std::string trainingKey = "trained";
     Progress progress{Progress::Style::Quiet};
     Jobs jobs{2};
     StageChain chain{folder / "out", progress};
-    StageRun run{chain, jobs, progress};
+
+    /** Gives a run everything that the toy holds, as it is now. */
+    void give(Run& run) const {
+        FrameTable fresh = table;
+        fresh.pictures = std::make_shared<PictureCache>();
+        run.put(fresh, "table");
+        run.put(metric, "cameras");
+        run.put(body, "body");
+        run.put(layers, "layers");
+        run.put(registered, "register");
+        run.put(package, "package");
+        run.put(settings, "settings");
+    }
+    /** The same, with a finished training. */
+    void giveTrained(Run& run) const {
+        give(run);
+        run.put(training, trainingKey);
+        run.put(SettingsAfterTraining{settings}, "settings");
+    }
 
 private:
     static std::filesystem::path newFolder() {

@@ -16,17 +16,13 @@ using namespace dpl;
 TEST(VerdictFile, aRefusedScanIsNoWrongArgument) {
     const auto folder = std::filesystem::temp_directory_path() / ("doppel_verdict_" + std::to_string(::getpid()));
     std::filesystem::create_directories(folder);
-    Progress progress(Progress::Style::Quiet);
-    Jobs jobs(1);
-    StageChain chain(folder, progress);
-    const StageRun run{chain, jobs, progress};
-    const Error error = refuse(run, {"ingest"}, fail(Code::InvalidArgument, "too few pictures"));
+    const Error error = refuse(folder, {"ingest"}, fail(Code::InvalidArgument, "too few pictures"));
     EXPECT_EQ(error.code, Code::Unsupported);
     EXPECT_EQ(error.message, "too few pictures");
     const auto bytes = readFile(folder / "verdict.json");
     ASSERT_TRUE(bytes);
     EXPECT_EQ(nlohmann::json::parse(bytes->begin(), bytes->end())["refused"]["reason"], "too few pictures");
-    EXPECT_EQ(refuse(run, {"ingest"}, fail(Code::Io, "no space")).code, Code::Io) << "not about the scan";
+    EXPECT_EQ(refuse(folder, {"ingest"}, fail(Code::Io, "no space")).code, Code::Io) << "not about the scan";
     std::filesystem::remove_all(folder);
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "reconstruction/run/stage_keys.h"
+#include "reconstruction/run/settings_json.h"
 
 #include <gtest/gtest.h>
 
@@ -77,7 +77,7 @@ ReconstructOptions draft(uint32_t steps = 0, double budgetMinutes = 0) {
     return options;
 }
 
-TEST(StageKeys, presetsWithEqualNumbersShareTheirWork) {
+TEST(SettingsJson, presetsWithEqualNumbersShareTheirWork) {
     const RunSettings byName = settingsOf(draft()), byNumbers = settingsOf(draft(byName.training.steps));
     EXPECT_EQ(trainingInputs(byName), trainingInputs(byNumbers));
     EXPECT_EQ(polishInputs(byName), polishInputs(byNumbers));
@@ -85,7 +85,7 @@ TEST(StageKeys, presetsWithEqualNumbersShareTheirWork) {
     EXPECT_EQ(trainingInputs(byName).dump().find("draft"), std::string::npos);
 }
 
-TEST(StageKeys, everyNumberThatDecidesAResultIsInItsKey) {
+TEST(SettingsJson, everyNumberThatDecidesAResultIsInItsKey) {
     const RunSettings standard = settingsOf({});
     const auto fields = [](const auto& settings) { return fieldsJson(settings); };
     expectEveryFieldIn(standard.training, 0, [&](const CoOptimiseSettings& training) {
@@ -105,14 +105,14 @@ TEST(StageKeys, everyNumberThatDecidesAResultIsInItsKey) {
     EXPECT_NE(polishInputs(longer), polishInputs(standard));
 }
 
-TEST(StageKeys, labelsCountByTheirNames) {
+TEST(SettingsJson, labelsCountByTheirNames) {
     const std::vector<ScanLabel> labels = {{"background", 0}, {"body", 7}, {"dress", 40}, {"hair", 2}, {"shoes", 3}};
     const InitSettings named = settingsOf({}, labels).training.init;
     EXPECT_EQ(named.clothLabels, std::vector<uint8_t>{40});
     EXPECT_EQ(named.openLabels, std::vector<uint8_t>{2});
 }
 
-TEST(StageKeys, withATimeBudgetTheStepsAreAResult) {
+TEST(SettingsJson, withATimeBudgetTheStepsAreAResult) {
     RunSettings settings = settingsOf(draft(0, 5));
     const auto inputs = trainingInputs(settings);
     settings.training.steps = 12345;  // as a probe would set it
@@ -121,7 +121,7 @@ TEST(StageKeys, withATimeBudgetTheStepsAreAResult) {
     EXPECT_EQ(settingsOf(draft(700, 5)).timeBudgetMinutes, 0) << "a stated number of steps needs no budget";
 }
 
-TEST(StageKeys, whatFollowsTrainingShrinksWithItsSteps) {
+TEST(SettingsJson, whatFollowsTrainingShrinksWithItsSteps) {
     const RunSettings budget = settingsOf(draft(0, 5));
     const RunSettings after = withTrainingSteps(budget, 700);
     EXPECT_EQ(after.training.steps, 700u);

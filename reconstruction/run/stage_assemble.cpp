@@ -1,14 +1,20 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "reconstruction/run/assemble_avatar.h"
+#include "reconstruction/run/stage_assemble.h"
 
 #include <algorithm>
 
 #include "reconstruction/output/package/sh_palette.h"
 #include "reconstruction/run/mesh_votes.h"
 #include "reconstruction/run/scan_motion.h"
+#include "reconstruction/run/stage_body_fit.h"
+#include "reconstruction/run/stage_co_optimise.h"
+#include "reconstruction/run/stage_garments.h"
+#include "reconstruction/run/stage_ingest.h"
+#include "reconstruction/run/stage_register.h"
 #include "reconstruction/subject/garments/stress_poses.h"
 #include "reconstruction/subject/garments/tuck_body.h"
 #include "reconstruction/training/trainer/init.h"
+#include "reconstruction/training/trainer/train_images.h"
 #include "sdk/core/evenly_spaced.h"
 #include "sdk/core/log.h"
 
@@ -29,13 +35,26 @@ void tuckUnseenBody(AssembledAvatar& assembled, Jobs& jobs) {
 
 }  // namespace
 
-nlohmann::json assembleInputs() {
-    return {
-        {"shPaletteEntries", kAvatarPalette.maxEntries}, {"shPaletteLevels", kAvatarPalette.maxRmsLevels}, {"tuckedPoses", kTuckedPoses}};
+Status StageOf<AssembledAvatar>::inputs(StageInputs& in) {
+    DPL_TRY(const FrameTable* table, in.part<FrameTable>());
+    DPL_TRY([[maybe_unused]] const MetricCameras* cameras, in.part<MetricCameras>());
+    DPL_TRY([[maybe_unused]] const FittedBody* body, in.part<FittedBody>());
+    DPL_TRY([[maybe_unused]] const GarmentLayers* layers, in.part<GarmentLayers>());
+    in.value("name", table->scan.name);
+    in.value("shPaletteEntries", kAvatarPalette.maxEntries);
+    in.value("shPaletteLevels", kAvatarPalette.maxRmsLevels);
+    in.value("tuckedPoses", kTuckedPoses);
+    DPL_CHECK_OK(in.use<RegisteredPoses>());
+    return in.use<Training>();
 }
 
-Result<AssembledAvatar> assembleAvatar(const std::vector<JointData>& joints, const ClothedMesh& clothed, const CoOptimiseResult& trained,
-                                       const Scan& scan, FrameSet set, Jobs& jobs) {
+Result<AssembledAvatar> StageOf<AssembledAvatar>::compute(StageInputs& in) {
+    DPL_TRY(const FrameTable* table, in.of<FrameTable>());
+    DPL_TRY(const FittedBody* body, in.of<FittedBody>());
+    DPL_TRY(const GarmentLayers* layers, in.of<GarmentLayers>());
+    DPL_TRY(const Training* training, in.of<Training>());
+    const CoOptimiseResult& trained = training->result;
+    DPL_TRY(FrameSet set, registeredFrames(in, Split::Train));
     AssembledAvatar out;
     out.frames = std::move(set.frames);
     if (trained.poses.size() != out.frames.size())
@@ -44,20 +63,20 @@ Result<AssembledAvatar> assembleAvatar(const std::vector<JointData>& joints, con
     for (size_t i = 0; i < out.frames.size(); ++i) out.frames[i].pose = trained.poses[i];
 
     AvatarData& avatar = out.avatar;
-    avatar.name = scan.name;
+    avatar.name = table->scan.name;
     avatar.generator = "doppel reconstruct";
-    avatar.joints = joints;
+    avatar.joints = body->shaped.joints;
     avatar.kappaPx2 = kTrainedKappaPx2;
     avatar.trainedPixelM = trainedPixelM(avatar.joints, out.frames);
-    avatar.mesh = clothed.mesh;
-    out.triangleLabel = clothed.triangleLabel;
+    avatar.mesh = layers->clothed.mesh;
+    out.triangleLabel = layers->clothed.triangleLabel;
     avatar.mesh.restPositions = trained.restPositions;
-    avatar.mesh.colours = gatherVertexColours(avatar.joints, avatar.mesh, out.frames, jobs);
+    avatar.mesh.colours = gatherVertexColours(avatar.joints, avatar.mesh, out.frames, in.jobs());
     avatar.splats = trained.splats;
     avatar.correctives = trained.correctives;
-    avatar.clips = scanMotion(scan, set.indices, trained.poses);
+    avatar.clips = scanMotion(table->scan, set.rows, trained.poses);
     sortSplats(avatar);
-    tuckUnseenBody(out, jobs);
+    tuckUnseenBody(out, in.jobs());
 
     const std::vector<Vec3f> trainedRest = avatar.mesh.restPositions;
     DPL_TRY(AvatarData decoded, decodedAvatar(avatar));
@@ -65,7 +84,7 @@ Result<AssembledAvatar> assembleAvatar(const std::vector<JointData>& joints, con
     DPL_TRY([[maybe_unused]] uint32_t unchanged, rebaseSplats(trainedRest, avatar));
     DPL_TRY(avatar, decodedAvatar(avatar));
     if (avatar.splats.shDegree > 0) {
-        DPL_TRY(const ShPaletteReport palette, paletteSh(avatar.splats, kAvatarPalette, jobs));
+        DPL_TRY(const ShPaletteReport palette, paletteSh(avatar.splats, kAvatarPalette, in.jobs()));
         log(LogLevel::Info, "SH palette of {} entries, {} levels off", palette.entries, palette.rmsLevels);
         DPL_TRY(const auto bytes, writeAvatar(avatar, kPackaged));
         DPL_TRY(avatar, readAvatar(bytes));

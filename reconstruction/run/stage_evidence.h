@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: Apache-2.0
+// The stage evidence measures how much each optional part improves the avatar. The trained avatar is trained on for a short while, whole
+// and again without each part, so that what remains makes up for the part as well as it can. The public SDK draws validation frames with
+// each of these avatars, and the pictures are scored. A validation frame is drawn in its registered pose after a pose fit, which moves
+// joints and root only, to the avatar that is judged. A part must gain a fixed amount, and more the larger it is. A scan that is too small
+// for a validation split is judged on training frames. Held-out frames are not used.
+#pragma once
+
+#include "reconstruction/judging/evidence/evidence_file.h"
+#include "reconstruction/run/graph.h"
+
+namespace dpl {
+
+struct MeasuredParts {
+    std::vector<PartEvidence> parts;
+};
+
+template <>
+struct StageOf<MeasuredParts> {
+    static constexpr StageName kName{"evidence", 11};
+    static constexpr const char* kPriors[] = {"input/cameras",    "input/capture",   "judging/evidence",
+                                              "subject/garments", "subject/surface", "training/trainer"};
+    static Status inputs(StageInputs& in);
+    static Status make(StageInputs& in, StageContext& context);
+    static Result<MeasuredParts> read(StageInputs& in, const std::filesystem::path& folder);
+};
+
+}  // namespace dpl

@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: Apache-2.0
+// The stage report: draws the finished avatar.glb with the public SDK and scores it on held-out frames. Its figures do not affect the
+// avatar.
+#pragma once
+
+#include "reconstruction/run/graph.h"
+
+namespace dpl {
+
+/** report.html and report.json in the stage's folder. */
+struct ReportFiles {
+    std::filesystem::path folder;
+    std::string summary;  // lines for the terminal
+};
+
+template <>
+struct StageOf<ReportFiles> {
+    static constexpr StageName kName{"report", 12};
+    static constexpr const char* kPriors[] = {"input/cameras",   "input/capture",        "subject/body",    "subject/garments",
+                                              "subject/surface", "training/correctives", "training/trainer"};
+    static Status inputs(StageInputs& in);
+    static Status make(StageInputs& in, StageContext& context);
+    static Result<ReportFiles> read(StageInputs& in, const std::filesystem::path& folder);
+};
+
+}  // namespace dpl
