@@ -16,6 +16,7 @@ inline void addScanOptions(CLI::App& command, ReconstructOptions& options, const
         "scan", options.scan, "Scan folder (docs/formats/scan.md), nerfstudio or COLMAP folder, or anything that `doppel import` reads");
     addVideoOptions(command, options.videos, scan);
     command.add_option("-o,--out", options.out, outHelp)->required();
+    command.add_flag("--replace", options.replace, "Give an output folder that holds the run of another scan to this one");
     command.add_option("--body", options.body, "Body to start from (.glb made by `doppel body import`); default: the built-in body")
         ->check(CLI::ExistingFile);
     command.add_option("--models", options.models,

@@ -57,9 +57,7 @@ Result<std::string> evaluateAvatar(const EvaluateOptions& options, Progress& pro
         DPL_TRY(lpips, Lpips::load(options.lpips));
     }
     table.usable.assign(table.scan.frames.size(), true);
-    if (poses.jointNames.size() != avatar.joints.size())
-        return fail(Code::InvalidArgument, "{} poses {} joints, the avatar has {}; name the poses.json of its reconstruction with --poses",
-                    posesPath.string(), poses.jointNames.size(), avatar.joints.size());
+    DPL_CHECK_OK(checkSkeleton(poses, posesPath, avatar.joints, options.avatar));
     if (!options.out.empty()) {
         std::error_code error;
         std::filesystem::create_directories(options.out, error);
@@ -74,7 +72,7 @@ Result<std::string> evaluateAvatar(const EvaluateOptions& options, Progress& pro
     };
     ReportData data;
     data.title = "Doppel: " + table.scan.name;
-    data.facts = {{"scan", table.scan.root.filename().string()}, {"avatar", options.avatar.string()}};
+    data.facts = {{"scan", table.scan.root.filename().string() + ", " + poses.scanHash}, {"avatar", options.avatar.string()}};
     progress.beginStage("evaluate");
     DPL_TRY(auto view, AvatarView::open(bytes, options.threadCount));
     DPL_TRY(const LabelColours labelColours, gatherLabelColours(table));

@@ -42,6 +42,7 @@ struct FrameTable {
     Scan scan;                        // its frames are the rows
     std::vector<bool> usable;         // of the rows; false: left out of training
     std::vector<FrameHashes> hashes;  // of the rows
+    std::string scanHash;             // hashOfScan() of the scan as it was given
     std::string trainingHash;         // of the usable training frames, with their files and cameras
     std::string verdict;              // result of the check, several lines
     std::string validation;           // what was set aside for validation, one sentence

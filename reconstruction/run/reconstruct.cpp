@@ -4,12 +4,14 @@
 #include "reconstruction/base/folder_lock.h"
 #include "reconstruction/run/cameras_file.h"
 #include "reconstruction/run/import_scan.h"
+#include "reconstruction/run/output_claim.h"
 #include "reconstruction/run/run_request.h"
 #include "reconstruction/run/run_scan.h"
 #include "reconstruction/run/stage_body_fit.h"
 #include "reconstruction/run/stage_body_map.h"
 #include "reconstruction/run/stage_garments.h"
 #include "reconstruction/run/stage_ingest.h"
+#include "reconstruction/run/stage_observe.h"
 #include "reconstruction/run/stage_package.h"
 #include "reconstruction/run/stage_pose_fit.h"
 #include "reconstruction/run/stage_report.h"
@@ -23,13 +25,20 @@ std::string withoutLastBreak(const std::string& text) {
     return text.substr(0, text.find_last_not_of('\n') + 1);
 }
 
-/** Checks the film: scan, body and surface, and what to film again. Writes OUT/verdict.json. */
+/** Writes OUT/verdict.json. avatarHash: empty before there is an avatar. */
+Status tellVerdict(Run& run, const std::string& avatarHash = {}) {
+    DPL_TRY(const FrameTable* table, run.get<FrameTable>());
+    DPL_TRY(const MappedBody* mapped, run.get<MappedBody>());
+    return writeVerdict(run.chain().outFolder(), {table->scanHash, avatarHash, mapped->figures, table->check});
+}
+
+/** Checks the film: scan, body and surface, and what to film again. */
 Result<const MappedBody*> mapAndTell(Run& run) {
     DPL_TRY(const FrameTable* table, run.get<FrameTable>());
     run.progress().note(withoutLastBreak(table->verdict));
     run.progress().note(table->validation);
     DPL_TRY(const MappedBody* mapped, run.get<MappedBody>());
-    DPL_CHECK_OK(writeVerdict(run.chain().outFolder(), mapped->figures, table->check));
+    DPL_CHECK_OK(tellVerdict(run));
     return mapped;
 }
 
@@ -51,9 +60,12 @@ Result<T> withRun(const ReconstructOptions& options, Progress& progress, const s
     Jobs jobs(options.threadCount);
     StageChain chain(options.out, progress);
     Run run(chain, jobs, progress);
+    DPL_CHECK_OK(checkOutputIsFree(options));
     const auto scan = scanToReconstruct(options, progress);
     if (!scan) return refuse(options.out, {"import"}, scan.error());
     run.put(RunRequest{*scan, options}, "request");
+    DPL_TRY(const ReadScan* read, run.get<ReadScan>());
+    DPL_CHECK_OK(claimOutput(options, read->scan));
     return work(run);
 }
 
@@ -70,6 +82,7 @@ Result<ReconstructResult> completeRun(Run& run) {
     DPL_TRY(const FoundPoses* found, run.get<FoundPoses>());
     DPL_TRY(const auto posesBytes, readFile(found->file));
     DPL_CHECK_OK(writeFileAtomically(result.poses, posesBytes));
+    DPL_CHECK_OK(tellVerdict(run, found->poses.avatarHash));
     DPL_TRY(const FrameTable* table, run.get<FrameTable>());
     DPL_CHECK_OK(writeCameras(*table, camerasBeside(result.poses)));
     DPL_TRY(const ReportFiles* report, run.get<ReportFiles>());

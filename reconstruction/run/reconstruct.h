@@ -32,6 +32,7 @@ struct ReconstructOptions {
     std::filesystem::path scan;        // scan folder, nerfstudio or COLMAP folder, or a capture that is imported; empty with videos
     VideoSources videos;               // named by what they show; imported
     std::filesystem::path out;         // made if absent
+    bool replace = false;              // take an output folder that holds the run of another scan
     std::filesystem::path body;        // glTF body; empty: the built-in one
     std::filesystem::path models;      // ONNX networks for keypoints, labels and masks; empty: those that tools/models installed
     std::vector<std::string> persons;  // where the person is, "FRAME:X,Y" (parsePersonPoint()); empty: chosen by size and place

@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "reconstruction/run/cameras_file.h"
+#include "reconstruction/run/scan_inputs.h"
 #include "reconstruction/subject/body/fit_body.h"
 
 namespace dpl {
@@ -33,7 +34,16 @@ Result<RunScan> readRunScan(const std::filesystem::path& folder, const std::file
     if (!run.scan.metricWorld && all.metresPerUnit == 0)
         return fail(Code::Unsupported, "{} does not say how long a unit of the scan's cameras is; run doppel reconstruct again",
                     posesPath.string());
+    if (!all.scanHash.empty()) {
+        DPL_TRY(const Scan given, readScan(folder, ScanCameras::MayLack));
+        if (hashOfScan(given, hashFrames(given)) != all.scanHash)
+            return fail(Code::InvalidArgument,
+                        "{} is not the scan that {} was made of: its pictures are others; name that scan, or reconstruct this one",
+                        folder.string(), posesPath.string());
+    }
+    run.poses.scanHash = std::move(all.scanHash), run.poses.avatarHash = std::move(all.avatarHash);
     run.poses.jointNames = std::move(all.jointNames), run.poses.metresPerUnit = all.metresPerUnit;
+    run.poses.restPositions = std::move(all.restPositions);
     for (ScanFrame& frame : run.scan.frames) {
         const auto found = std::find_if(all.frames.begin(), all.frames.end(), [&](const FramePose& p) { return p.name == frame.name; });
         if (found == all.frames.end())

@@ -35,6 +35,12 @@ std::vector<FrameHashes> hashFrames(const Scan& scan) {
     return hashes;
 }
 
+std::string hashOfScan(const Scan& scan, const std::vector<FrameHashes>& hashes) {
+    json pictures = json::array();
+    for (size_t f = 0; f < scan.frames.size(); ++f) pictures.push_back({scan.frames[f].name, hashes[f].image});
+    return hashText(pictures.dump());
+}
+
 json frameInputs(const ScanFrame& frame, const FrameHashes& files) {
     json inputs = {{"name", frame.name},
                    {"kind", int(frame.kind)},

@@ -11,6 +11,9 @@ namespace dpl {
 /** One entry a frame. A file that cannot be read has the text of the error as its hash, so the stage runs again when it is repaired. */
 std::vector<FrameHashes> hashFrames(const Scan& scan);
 
+/** Names the pictures of a scan, whatever is known about them: names of frames and hashes of their images. */
+std::string hashOfScan(const Scan& scan, const std::vector<FrameHashes>& hashes);
+
 /** The inputs of one frame. */
 nlohmann::json frameInputs(const ScanFrame& frame, const FrameHashes& files);
 /** The inputs that all frames share. */

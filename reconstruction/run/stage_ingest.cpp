@@ -5,6 +5,7 @@
 #include "reconstruction/input/capture/validation.h"
 #include "reconstruction/run/scan_inputs.h"
 #include "reconstruction/run/stage_closeups.h"
+#include "reconstruction/run/stage_observe.h"
 #include "reconstruction/run/verdict_file.h"
 #include "sdk/core/files.h"
 
@@ -71,6 +72,7 @@ Result<CheckedScan> StageOf<CheckedScan>::read(StageInputs& in, const std::files
 }
 
 Status StageOf<FrameTable>::inputs(StageInputs& in) {
+    DPL_TRY([[maybe_unused]] const ReadScan* read, in.part<ReadScan>());
     DPL_TRY([[maybe_unused]] const CompleteScan* complete, in.part<CompleteScan>());
     return in.use<CheckedScan>();
 }
@@ -79,7 +81,9 @@ Result<FrameTable> StageOf<FrameTable>::compute(StageInputs& in) {
     DPL_TRY(const CompleteScan* complete, in.of<CompleteScan>());
     DPL_TRY(const CheckedScan* checked, in.of<CheckedScan>());
     if (checked->refused) return refuseByCheck(in.outFolder(), *checked);
+    DPL_TRY(const ReadScan* read, in.of<ReadScan>());
     FrameTable table;
+    table.scanHash = read->hash;
     table.scan = complete->scan;
     table.camerasFound = complete->camerasFound;
     table.usable = checked->usable;

@@ -36,7 +36,8 @@ Result<ReadScan> StageOf<ReadScan>::compute(StageInputs& in) {
     const ReconstructOptions& options = request->options;
     auto read = readScan(request->scan, ScanCameras::MayLack);
     if (!read) return refuse(in.outFolder(), {"ingest"}, read.error());
-    ReadScan out{std::move(*read), options.models};
+    ReadScan out{std::move(*read), {}, options.models};
+    out.hash = hashOfScan(out.scan, hashFrames(out.scan));
     if (options.heightM > 0) out.scan.subjectHeightM = options.heightM;
     if (!out.scan.assumed.empty()) in.progress().note(out.scan.assumed);
     if (out.networks.empty() && lacksObservations(out.scan)) {

@@ -10,6 +10,7 @@ namespace dpl {
 /** The scan as its folder states it. */
 struct ReadScan {
     Scan scan;
+    std::string hash;                // hashOfScan()
     std::filesystem::path networks;  // folder of those that look at it; empty: none
 };
 

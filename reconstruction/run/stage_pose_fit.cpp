@@ -33,6 +33,7 @@ Status StageOf<FoundPoses>::inputs(StageInputs& in) {
     DPL_TRY([[maybe_unused]] const MetricCameras* cameras, in.part<MetricCameras>());
     DPL_TRY([[maybe_unused]] const FittedBody* body, in.part<FittedBody>());
     DPL_TRY(const SettingsAfterTraining* after, in.part<SettingsAfterTraining>());
+    in.value("scan", table->scanHash);
     in.value("untrained", untrainedInputs(*table));
     in.value("settings", fieldsJson(after->settings.poseFit));
     DPL_CHECK_OK(in.use<RegisteredPoses>());
@@ -51,7 +52,11 @@ Status StageOf<FoundPoses>::make(StageInputs& in, StageContext& context) {
     const Scan& scan = table->scan;
     DPL_TRY(AvatarData avatar, readAvatar(package->bytes));
     PosesFile poses;
-    for (const JointData& joint : avatar.joints) poses.jointNames.push_back(joint.name);
+    poses.scanHash = table->scanHash;
+    DPL_TRY(const AvatarInfo info, inspectAvatar(package->bytes));
+    poses.avatarHash = info.contentHash;
+    for (const JointData& joint : avatar.joints)
+        poses.jointNames.push_back(joint.name), poses.restPositions.push_back(joint.restPosition);
     if (!scan.metricWorld) poses.metresPerUnit = body->fit.metresPerUnit;
     const std::vector<const Pose*> trained = trainedPoses(*table, training->result);
     size_t untrained = 0, done = 0;

@@ -156,6 +156,7 @@ Status StageOf<ReportFiles>::inputs(StageInputs& in) {
     DPL_TRY([[maybe_unused]] const Training* training, in.part<Training>());
     DPL_TRY([[maybe_unused]] const SettingsAfterTraining* after, in.part<SettingsAfterTraining>());
     DPL_TRY([[maybe_unused]] const Package* package, in.part<Package>());
+    in.value("scan", table->scanHash);
     in.value("labels", scoredLabels(*table));
     in.value("verdict", table->verdict + table->validation);
     in.value("measuring", measuringFiles(table->scan.root));
@@ -177,7 +178,7 @@ Status StageOf<ReportFiles>::make(StageInputs& in, StageContext& context) {
     DPL_TRY(AvatarInfo info, inspectAvatar(package->bytes));
     ReportData data;
     data.title = "Doppel: " + table->scan.name;
-    data.facts = {{"scan", table->scan.root.filename().string()},
+    data.facts = {{"scan", table->scan.root.filename().string() + ", " + table->scanHash},
                   {"body", body->shaped.name},
                   {"training", formatText("{} steps, at most {} splats; polish {} steps, pose fit {}",
                                           training->result.curve.empty() ? 0u : training->result.curve.back().step,
@@ -185,7 +186,7 @@ Status StageOf<ReportFiles>::make(StageInputs& in, StageContext& context) {
                   {"seed", std::to_string(settings.training.seed)},
                   {"splats", std::to_string(avatar.splats.count())},
                   {"file", std::to_string(package->bytes.size()) + " bytes"},
-                  {"content hash", info.contentHash}};
+                  {"avatar", info.contentHash}};
     data.filmAgain = filmAgainSection(*table, *mapped);
     data.verdict = table->verdict + table->validation + "\n";
     data.length = {training->steps, settingsOf({}).training.steps};

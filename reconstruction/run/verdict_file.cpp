@@ -21,7 +21,9 @@ bool isAboutTheScan(Code code) {
 
 Error refuse(const std::filesystem::path& out, const Refusal& refusal, Error reason) {
     if (!isAboutTheScan(reason.code)) return reason;
-    const ordered_json verdict = {{"refused", {{"stage", refusal.stage}, {"reason", reason.message}}},
+    const ordered_json verdict = {{"scan", nullptr},
+                                  {"avatar", nullptr},
+                                  {"refused", {{"stage", refusal.stage}, {"reason", reason.message}}},
                                   {"film_again", refusal.filmAgain},
                                   {"places", ordered_json::array()},
                                   {"scan_check", refusal.scanCheck}};
@@ -30,11 +32,13 @@ Error refuse(const std::filesystem::path& out, const Refusal& refusal, Error rea
     return reason;
 }
 
-Status writeVerdict(const std::filesystem::path& out, const ordered_json& figures, const std::string& scanCheck) {
-    ordered_json verdict = {{"refused", nullptr}};
-    verdict.update(figures);
-    verdict["scan_check"] = ordered_json::parse(scanCheck, nullptr, /*allow_exceptions=*/false);
-    return writeTo(out, verdict);
+Status writeVerdict(const std::filesystem::path& out, const Verdict& verdict) {
+    ordered_json file = {{"scan", verdict.scanHash},
+                         {"avatar", verdict.avatarHash.empty() ? ordered_json() : ordered_json(verdict.avatarHash)},
+                         {"refused", nullptr}};
+    file.update(verdict.figures);
+    file["scan_check"] = ordered_json::parse(verdict.scanCheck, nullptr, /*allow_exceptions=*/false);
+    return writeTo(out, file);
 }
 
 }  // namespace dpl

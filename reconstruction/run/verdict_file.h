@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // OUT/verdict.json: what to film again, for programs. A run writes it after the stage body-map, or when the scan is refused before.
 //
+//   scan         hash of its pictures, as in poses.json; null where it could not be read
+//   avatar       content hash of the avatar that was made of it; null until then
 //   refused      null, or {stage, reason}: the stage that refuses and its sentences for people
 //   film_again   of a good scan: [{shot, sentence, gain}]; of a refused one: [{topic, sentence, frames}], and `part` where one is known
 //   places       figures of each place of the body; empty where the scan is refused
@@ -26,8 +28,14 @@ struct Refusal {
  * it is. */
 Error refuse(const std::filesystem::path& out, const Refusal& refusal, Error reason);
 
-/** Writes the verdict of a scan that can be used into `out`. figures: film_again and places of the stage body-map. scanCheck: the result of
- *  the scan check as a JSON object. */
-Status writeVerdict(const std::filesystem::path& out, const nlohmann::ordered_json& figures, const std::string& scanCheck);
+/** The verdict of a scan that can be used. */
+struct Verdict {
+    std::string scanHash;
+    std::string avatarHash;          // empty: none yet
+    nlohmann::ordered_json figures;  // film_again and places of the stage body-map
+    std::string scanCheck;           // the result of the scan check as a JSON object
+};
+
+Status writeVerdict(const std::filesystem::path& out, const Verdict& verdict);
 
 }  // namespace dpl

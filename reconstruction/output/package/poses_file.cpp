@@ -48,7 +48,12 @@ Result<Pose> readPose(const json& object, size_t jointCount) {
 }  // namespace
 
 std::string posesToJson(const PosesFile& poses) {
-    ordered_json out = {{"format", "doppel-poses"}, {"version", 1}, {"joints", poses.jointNames}, {"frames", ordered_json::array()}};
+    ordered_json out = {{"format", "doppel-poses"}, {"version", 1}};
+    if (!poses.scanHash.empty()) out["scan"] = poses.scanHash;
+    if (!poses.avatarHash.empty()) out["avatar"] = poses.avatarHash;
+    out["joints"] = poses.jointNames;
+    for (const Vec3f& p : poses.restPositions) out["rest_positions"].push_back({p.x, p.y, p.z});
+    out["frames"] = ordered_json::array();
     if (poses.metresPerUnit > 0) out["metres_per_unit"] = poses.metresPerUnit;
     for (const FramePose& frame : poses.frames) {
         ordered_json entry = {{"name", frame.name}, {"kind", frame.kind}, {"split", frame.split}, {"pose", poseJson(frame.pose)}};
@@ -72,6 +77,16 @@ Result<PosesFile> readPosesFile(const std::filesystem::path& path) {
     for (const json& name : root["joints"]) {
         if (!name.is_string()) return bad("a joint name is not a string");
         out.jointNames.push_back(name.get<std::string>());
+    }
+    for (const auto& [key, hash] : {std::pair("scan", &out.scanHash), std::pair("avatar", &out.avatarHash)})
+        if (const auto found = root.find(key); found != root.end() && found->is_string()) *hash = found->get<std::string>();
+    if (const auto places = root.find("rest_positions"); places != root.end()) {
+        if (!places->is_array() || places->size() != out.jointNames.size()) return bad("rest_positions does not have one place a joint");
+        for (const json& place : *places) {
+            float p[3];
+            if (!readNumbers(place, 3, p)) return bad("a rest position is not three finite numbers");
+            out.restPositions.push_back({p[0], p[1], p[2]});
+        }
     }
     if (const auto scale = root.find("metres_per_unit"); scale != root.end()) {
         if (!scale->is_number() || !(scale->get<double>() > 0) || !std::isfinite(scale->get<double>()))
@@ -100,6 +115,21 @@ Result<PosesFile> readPosesFile(const std::filesystem::path& path) {
         out.frames.push_back(std::move(frame));
     }
     return out;
+}
+
+Status checkSkeleton(const PosesFile& poses, const std::filesystem::path& posesPath, std::span<const JointData> joints,
+                     const std::filesystem::path& avatarPath) {
+    constexpr float kSamePlaceM = 0.002f;  // files round places, and two people differ by centimetres
+    if (poses.jointNames.size() != joints.size())
+        return fail(Code::InvalidArgument, "{} poses {} joints, {} has {}; name the poses.json of its reconstruction with --poses",
+                    posesPath.string(), poses.jointNames.size(), avatarPath.string(), joints.size());
+    for (size_t j = 0; j < poses.restPositions.size(); ++j)
+        if (const float apartM = glm::length(poses.restPositions[j] - joints[j].restPosition); !(apartM <= kSamePlaceM))
+            return fail(Code::InvalidArgument,
+                        "{} is of another person or scan than {}: the joint '{}' rests {} mm away; name the poses.json of its "
+                        "reconstruction with --poses",
+                        avatarPath.string(), posesPath.string(), joints[j].name, std::lround(1000 * apartM));
+    return {};
 }
 
 }  // namespace dpl

@@ -4,11 +4,13 @@
 
 #include <filesystem>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
 #include "sdk/avatar/rig.h"
 #include "sdk/core/result.h"
+#include "sdk/format/avatar_data.h"
 
 namespace dpl {
 
@@ -19,7 +21,9 @@ struct FramePose {
 };
 
 struct PosesFile {
+    std::string scanHash, avatarHash;  // hashOfScan() of the scan, content hash of the avatar; empty in older files
     std::vector<std::string> jointNames;
+    std::vector<Vec3f> restPositions;  // of the joints, metres; empty in older files
     double metresPerUnit = 0;  // of the scan's world, where its cameras are not in metres; 0: they are, or the file is older
     std::vector<FramePose> frames;
 };
@@ -29,5 +33,10 @@ std::string posesToJson(const PosesFile& poses);
 /** Reads at most 256 MiB. CorruptData: not a poses file, or numbers are missing or not finite; the message names file, frame and joint.
  *  Version: not version 1. */
 Result<PosesFile> readPosesFile(const std::filesystem::path& path);
+
+/** Whether the poses are of this skeleton: the same number of joints, which rest at the same places. InvalidArgument names both files. Packed
+ *  and dressed avatars keep the skeleton of their reconstruction. */
+Status checkSkeleton(const PosesFile& poses, const std::filesystem::path& posesPath, std::span<const JointData> joints,
+                     const std::filesystem::path& avatarPath);
 
 }  // namespace dpl

@@ -45,7 +45,7 @@ inline std::vector<uint8_t> floatsOf(const std::vector<Vec3f>& positions) {
 inline void writeTruth(ToyReconstruction& toy, size_t firstCloth = ~size_t(0)) {
     const AvatarData& ball = toy.avatar;
     const MeshData& mesh = ball.mesh;
-    const std::filesystem::path& root = toy.ingested.scan.root;
+    const std::filesystem::path& root = toy.table.scan.root;
     Writer ply;
     const std::string header = "ply\nformat binary_little_endian 1.0\nelement vertex " + std::to_string(mesh.restPositions.size()) +
                                "\nproperty float x\nproperty float y\nproperty float z\nproperty uchar label\nelement face " +
@@ -80,7 +80,7 @@ inline void writeTruth(ToyReconstruction& toy, size_t firstCloth = ~size_t(0)) {
         {{"name", "cap"}, {"label", "top"}, {"first_triangle", bare}, {"triangle_count", mesh.triangles.size() - bare}, {"cloth", true}}};
     mustWrite(root / "scan.json", nlohmann::json{{"skeleton", skeleton}, {"geometry", {{"parts", parts}}}}.dump());
     for (size_t f = 0; f < ToyReconstruction::kFrames; ++f) {
-        const ScanFrame& frame = toy.ingested.scan.frames[f];
+        const ScanFrame& frame = toy.table.scan.frames[f];
         nlohmann::json rotations;
         for (const Quatf& q : toy.truth[f].localRotations) {
             const float angle = glm::angle(q);

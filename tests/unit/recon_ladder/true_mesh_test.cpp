@@ -11,8 +11,8 @@ namespace {
 class TrueMeshTest : public testing::Test {
 protected:
     TrueMeshTest() { writeTruth(toy_); }
-    Result<std::optional<TrueMesh>> read() { return readTrueMesh(toy_.ingested.scan); }
-    std::filesystem::path file(const char* name) const { return toy_.ingested.scan.root / name; }
+    Result<std::optional<TrueMesh>> read() { return readTrueMesh(toy_.table.scan); }
+    std::filesystem::path file(const char* name) const { return toy_.table.scan.root / name; }
 
     ToyReconstruction toy_;
 };
@@ -24,7 +24,7 @@ TEST_F(TrueMeshTest, skinsTheTemplateAsTheRigDoes) {
     for (size_t f = 0; f < ToyReconstruction::kFrames; ++f) {
         const std::vector<Vec3f> expected = ballIn(toy_.avatar, toy_.truth[f], toy_.jobs),
                                  skinned = skinnedTruth(**mesh, (*mesh)->frames[f]);
-        const auto surface = trueSurface(**mesh, (*mesh)->frames[f], toy_.ingested.scan.frames[f].kind);
+        const auto surface = trueSurface(**mesh, (*mesh)->frames[f], toy_.table.scan.frames[f].kind);
         ASSERT_TRUE(surface && *surface);
         ASSERT_EQ(skinned.size(), expected.size());
         for (size_t v = 0; v < expected.size(); ++v) {

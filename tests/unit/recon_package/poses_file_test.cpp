@@ -4,6 +4,8 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <cmath>
+
 #include "sdk/core/files.h"
 
 namespace {
@@ -35,6 +37,32 @@ TEST_F(PosesFileTest, readsBackWhatWasWritten) {
     EXPECT_EQ(back->frames[0].pose.rootTranslation, Vec3f(1, 2, 3));
     ASSERT_TRUE(back->frames[0].fittedPose);
     EXPECT_FLOAT_EQ(back->frames[0].fittedPose->localRotations[1].y, 0.8f);
+}
+
+TEST_F(PosesFileTest, namesScanAvatarAndSkeleton) {
+    PosesFile poses = sample();
+    poses.scanHash = "5ca1", poses.avatarHash = "xxh3:a7a7";
+    poses.restPositions = {{0, 1, 0}, {0, 1.2f, 0.01f}};
+    ASSERT_TRUE(writeFileAtomically(path_, posesToJson(poses)));
+    const auto back = readPosesFile(path_);
+    ASSERT_TRUE(back) << back.error().message;
+    EXPECT_EQ(back->scanHash, "5ca1");
+    EXPECT_EQ(back->avatarHash, "xxh3:a7a7");
+    EXPECT_EQ(back->restPositions, poses.restPositions);
+
+    std::vector<JointData> joints(2);
+    joints[0].name = "hips", joints[0].restPosition = {0, 1, 0};
+    joints[1].name = "spine", joints[1].restPosition = {0, 1.2f, 0.0105f};
+    EXPECT_TRUE(checkSkeleton(*back, path_, joints, "packed.glb")) << "half a millimetre of rounding";
+    joints[1].restPosition.y = 1.23f;
+    const Status other = checkSkeleton(*back, path_, joints, "bob.glb");
+    ASSERT_FALSE(other);
+    for (const char* part : {"bob.glb", path_.c_str(), "spine", "30 mm"})
+        EXPECT_NE(other.error().message.find(part), std::string::npos) << other.error().message;
+    joints[1].restPosition.y = std::nanf("");
+    EXPECT_FALSE(checkSkeleton(*back, path_, joints, "bob.glb"));
+    joints.pop_back();
+    EXPECT_FALSE(checkSkeleton(*back, path_, joints, "bob.glb"));
 }
 
 TEST_F(PosesFileTest, everyTruncationIsAnErrorThatNamesTheFile) {

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "reconstruction/run/scan_inputs.h"
 #include "reconstruction/run/evaluate.h"
 
 #include <gtest/gtest.h>
@@ -54,6 +55,25 @@ protected:
     }
     PosesFile shown_;
 };
+
+TEST_F(Evaluate, refusesTheAvatarOrTheScanOfAnother) {
+    const auto refusal = [&](const PosesFile& poses) {
+        must_(writeFileAtomically(toy.folder / "poses.json", posesToJson(poses)));
+        const auto summary = evaluateAvatar(options, toy.progress);
+        return summary ? std::string() : summary.error().message;
+    };
+    const Scan onDisk = must(readScan(options.scan, ScanCameras::MayLack));
+    PosesFile poses = shown_;
+    poses.scanHash = hashOfScan(onDisk, hashFrames(onDisk));
+    for (const JointData& joint : toy.avatar.joints) poses.restPositions.push_back(joint.restPosition);
+    EXPECT_EQ(refusal(poses), "") << "its own";
+    PosesFile other = poses;
+    other.restPositions[1].y += 0.05f;
+    EXPECT_NE(refusal(other).find("another person or scan"), std::string::npos) << refusal(other);
+    other = poses;
+    other.scanHash = "0123";
+    EXPECT_NE(refusal(other).find("is not the scan that"), std::string::npos) << refusal(other);
+}
 
 TEST_F(Evaluate, refusesAFolderThatCannotBeMadeBeforeItScores) {
     options.out = options.avatar / "report";

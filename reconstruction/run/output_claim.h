@@ -1,0 +1,17 @@
+// SPDX-License-Identifier: Apache-2.0
+// OUT/run.json says whose run an output folder holds, so that another scan does not replace an avatar by accident.
+#pragma once
+
+#include "reconstruction/input/capture/scan.h"
+#include "reconstruction/run/reconstruct.h"
+
+namespace dpl {
+
+/** Refuses an output folder that holds the run of another scan, unless options.replace. It is the same scan if it lies where it lay, or
+ *  shares a picture with the one that was there. Before an import pictures are not known, so then it must lie where it lay. */
+Status checkOutputIsFree(const ReconstructOptions& options);
+
+/** Writes run.json: where the scan lies, and hashes of its pictures. */
+Status claimOutput(const ReconstructOptions& options, const Scan& scan);
+
+}  // namespace dpl
