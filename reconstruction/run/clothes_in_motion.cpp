@@ -8,9 +8,9 @@
 #include "reconstruction/output/package/avatar_bytes.h"
 #include "reconstruction/subject/garments/cloth_faults.h"
 #include "sdk/avatar/body_shape.h"
-#include "sdk/avatar/clip.h"
-#include "sdk/avatar/retarget.h"
 #include "sdk/core/files.h"
+#include "sdk/motion/clip.h"
+#include "sdk/motion/retarget.h"
 
 namespace dpl {
 namespace {

@@ -55,8 +55,7 @@ Status StageOf<FoundPoses>::make(StageInputs& in, StageContext& context) {
     poses.scanHash = table->scanHash;
     DPL_TRY(const AvatarInfo info, inspectAvatar(package->bytes));
     poses.avatarHash = info.contentHash;
-    for (const JointData& joint : avatar.joints)
-        poses.jointNames.push_back(joint.name), poses.restPositions.push_back(joint.restPosition);
+    for (const JointData& joint : avatar.joints) poses.jointNames.push_back(joint.name), poses.restPositions.push_back(joint.restPosition);
     if (!scan.metricWorld) poses.metresPerUnit = body->fit.metresPerUnit;
     const std::vector<const Pose*> trained = trainedPoses(*table, training->result);
     size_t untrained = 0, done = 0;

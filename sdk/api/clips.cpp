@@ -3,8 +3,8 @@
 #include <cmath>
 
 #include "sdk/api/api_state.h"
-#include "sdk/avatar/clip.h"
-#include "sdk/avatar/retarget.h"
+#include "sdk/motion/clip.h"
+#include "sdk/motion/retarget.h"
 
 using namespace dpl;
 using namespace dpl::api;

@@ -3,11 +3,11 @@
 
 #include <algorithm>
 
-#include "sdk/avatar/clip.h"
 #include "sdk/avatar/humanoid.h"
 #include "sdk/core/task.h"
 #include "sdk/format/avatar_file.h"
 #include "sdk/format/splat_file.h"
+#include "sdk/motion/clip.h"
 
 namespace dpl::api {
 namespace {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Trackers: what platforms tell of a person, as poses of an avatar.
 #include "sdk/api/api_state.h"
-#include "sdk/avatar/tracker.h"
+#include "sdk/motion/tracker.h"
 
 using namespace dpl;
 using namespace dpl::api;

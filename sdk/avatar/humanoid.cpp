@@ -362,4 +362,23 @@ void assignHumanoidBones(std::vector<JointData>& joints) {
     for (size_t j = 0; j < joints.size(); ++j) joints[j].humanoidBone = bones[j];
 }
 
+BoneMap bonesOf(std::span<const JointData> joints) {
+    BoneMap map;
+    const std::vector<std::string> bones = humanoidBones(joints);
+    for (size_t j = 0; j < bones.size(); ++j)
+        if (!bones[j].empty()) map.emplace(bones[j], j);
+    return map;
+}
+
+std::optional<size_t> findBone(const BoneMap& bones, std::string_view bone) {
+    const auto at = bones.find(bone);
+    return at == bones.end() ? std::nullopt : std::optional(at->second);
+}
+
+std::optional<size_t> topOfSpine(const BoneMap& bones) {
+    for (std::string_view bone : {"upperChest", "chest", "spine"})
+        if (auto joint = findBone(bones, bone)) return joint;
+    return std::nullopt;
+}
+
 }  // namespace dpl

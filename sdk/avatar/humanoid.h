@@ -3,6 +3,8 @@
 // "leftUpperArm", "rightIndexProximal" ...), which glTF tools know.
 #pragma once
 
+#include <map>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -28,5 +30,12 @@ void assignHumanoidBones(std::vector<JointData>& joints);
 
 /** All bone names that the functions above return, parents first. */
 std::span<const std::string_view> humanoidBoneNames();
+
+using BoneMap = std::map<std::string, size_t, std::less<>>;  // humanoid bone -> joint
+
+BoneMap bonesOf(std::span<const JointData> joints);
+std::optional<size_t> findBone(const BoneMap& bones, std::string_view bone);
+/** upperChest, chest or spine: the joint that carries the arms. */
+std::optional<size_t> topOfSpine(const BoneMap& bones);
 
 }  // namespace dpl

@@ -7,8 +7,8 @@
 #include <cstdlib>
 #include <cstring>
 
-#include "sdk/avatar/tracker.h"
-#include "tests/unit/avatar/track_streams.h"
+#include "sdk/motion/tracker.h"
+#include "tests/unit/motion/track_streams.h"
 
 namespace {
 

@@ -10,6 +10,7 @@ SDK = {
     "sdk/math": ["sdk/core"],
     "sdk/format": ["sdk/core", "sdk/math"],
     "sdk/avatar": ["sdk/core", "sdk/math", "sdk/format"],
+    "sdk/motion": ["sdk/core", "sdk/math", "sdk/format", "sdk/avatar"],
     "sdk/visibility": ["sdk/core", "sdk/math", "sdk/format", "sdk/avatar"],
     "sdk/draw": ["sdk/core", "sdk/math", "sdk/format", "sdk/avatar", "sdk/visibility"],
     "sdk/splat": ["sdk/core", "sdk/math", "sdk/format", "sdk/avatar", "sdk/visibility", "sdk/draw"],
@@ -30,7 +31,7 @@ WINGS = {
     "judging": ["coach", "report", "evidence", "ladder"],
     "run": [],
 }
-BELOW = ["sdk/core", "sdk/math", "sdk/format", "sdk/avatar", "sdk/splat"]
+BELOW = ["sdk/core", "sdk/math", "sdk/format", "sdk/avatar", "sdk/motion", "sdk/splat"]
 for wing, rooms in WINGS.items():
     for place, name in enumerate(rooms):
         RULES[f"reconstruction/{wing}/{name}"] = BELOW + [f"reconstruction/{wing}/{earlier}" for earlier in rooms[:place]]

@@ -6,7 +6,7 @@
 #include "platform/openxr/puppet.h"
 #include "sdk/format/avatar_file.h"
 #include "tests/package/tiny_avatar.h"
-#include "tests/unit/avatar/track_streams.h"
+#include "tests/unit/motion/track_streams.h"
 #include "tests/xr/xr_fixture.h"
 
 namespace dpl::test {

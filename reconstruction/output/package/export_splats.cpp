@@ -3,14 +3,14 @@
 
 #include "reconstruction/output/package/avatar_bytes.h"
 #include "reconstruction/output/package/posed_splats.h"
-#include "sdk/avatar/clip.h"
-#include "sdk/avatar/motion.h"
-#include "sdk/avatar/retarget.h"
 #include "sdk/core/files.h"
 #include "sdk/format/avatar_file.h"
 #include "sdk/format/gltf_splats.h"
 #include "sdk/format/ply.h"
 #include "sdk/format/splat_file.h"
+#include "sdk/motion/clip.h"
+#include "sdk/motion/motion.h"
+#include "sdk/motion/retarget.h"
 
 namespace dpl {
 namespace {

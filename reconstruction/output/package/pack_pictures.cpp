@@ -8,8 +8,8 @@
 #include <random>
 
 #include "reconstruction/subject/surface/orbit_camera.h"
-#include "sdk/avatar/clip.h"
 #include "sdk/avatar/posed_mesh.h"
+#include "sdk/motion/clip.h"
 #include "sdk/splat/splat_engine.h"
 
 namespace dpl {

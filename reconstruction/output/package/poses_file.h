@@ -24,7 +24,7 @@ struct PosesFile {
     std::string scanHash, avatarHash;  // hashOfScan() of the scan, content hash of the avatar; empty in older files
     std::vector<std::string> jointNames;
     std::vector<Vec3f> restPositions;  // of the joints, metres; empty in older files
-    double metresPerUnit = 0;  // of the scan's world, where its cameras are not in metres; 0: they are, or the file is older
+    double metresPerUnit = 0;          // of the scan's world, where its cameras are not in metres; 0: they are, or the file is older
     std::vector<FramePose> frames;
 };
 
@@ -34,8 +34,8 @@ std::string posesToJson(const PosesFile& poses);
  *  Version: not version 1. */
 Result<PosesFile> readPosesFile(const std::filesystem::path& path);
 
-/** Whether the poses are of this skeleton: the same number of joints, which rest at the same places. InvalidArgument names both files. Packed
- *  and dressed avatars keep the skeleton of their reconstruction. */
+/** Whether the poses are of this skeleton: the same number of joints, which rest at the same places. InvalidArgument names both files.
+ * Packed and dressed avatars keep the skeleton of their reconstruction. */
 Status checkSkeleton(const PosesFile& poses, const std::filesystem::path& posesPath, std::span<const JointData> joints,
                      const std::filesystem::path& avatarPath);
 

@@ -5,7 +5,7 @@
 
 #include "sdk/include/doppel/doppel.hpp"
 #include "tests/unit/api/api_fixture.h"
-#include "tests/unit/avatar/track_streams.h"
+#include "tests/unit/motion/track_streams.h"
 
 namespace dpl {
 namespace {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "reconstruction/run/scan_inputs.h"
 #include "reconstruction/run/evaluate.h"
+#include "reconstruction/run/scan_inputs.h"
 
 #include <gtest/gtest.h>
 

@@ -28,7 +28,7 @@ def program_folder(target):
     """The folder of a program, in the source tree and in a build tree alike."""
     return {"doppel": "apps/doppel", "libdoppel.so": "sdk/api", "bench_frames": "tools/bench/frames", "bench_ways": "tests/unit/interop",
             "visibility_governor_test": "tests/unit/visibility", "bench_host": "tests/metal",
-            "avatar_tracker_test": "tests/unit/avatar"}.get(target, "tools/bench")
+            "motion_tracker_test": "tests/unit/motion"}.get(target, "tools/bench")
 
 
 @dataclasses.dataclass
@@ -230,11 +230,11 @@ DELAY = re.compile(r"elbow at 60 Hz, (.+?) +lags by +(-?[\d.]+) frames; group de
 
 def take_delay(place):
     """How late the elbow of a tracked person is shown; the test prints it, and fails where a figure leaves its range."""
-    out = place.run("delay", [place.program("avatar_tracker_test"), "--gtest_filter=*delayOfTheFilter*"])
+    out = place.run("delay", [place.program("motion_tracker_test"), "--gtest_filter=*delayOfTheFilter*"])
     rows = [{"stream": stream, "frames": float(frames), "filter_frames": float(of_filter), "bars": {}}
             for stream, frames, of_filter in DELAY.findall(out)]
     if not rows:
-        raise BenchError("avatar_tracker_test printed no line that begins with 'elbow at 60 Hz'")
+        raise BenchError("motion_tracker_test printed no line that begins with 'elbow at 60 Hz'")
     return rows
 
 
@@ -443,7 +443,7 @@ BENCHES = [
     Bench("host", "quick", 3, "what a frame costs the calling thread before the GPU gets it, through Metal and Vulkan",
           "build/release/tests/metal/bench_host demo/avatar/avatar.glb 40", ("bench_host",), take_host),
     Bench("delay", "quick", 0.1, "how late a tracked person is shown",
-          "build/release/tests/unit/avatar/avatar_tracker_test --gtest_filter='*delayOfTheFilter*'", ("avatar_tracker_test",), take_delay),
+          "build/release/tests/unit/motion/motion_tracker_test --gtest_filter='*delayOfTheFilter*'", ("motion_tracker_test",), take_delay),
     Bench("load-frames", "quick", 0.5, "the longest frame while 500,000 splats load", "build/release/tools/bench/bench_load_frames 500000",
           ("bench_load_frames",), take_load_frames),
     Bench("steady", "quick", 0.1, "frames until a frame budget holds, on simulated devices",

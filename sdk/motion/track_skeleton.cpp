@@ -1,0 +1,160 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "sdk/motion/track_skeleton.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "sdk/motion/track_points.h"
+
+namespace dpl {
+namespace {
+
+constexpr float kTracked = 0.5f, kFarthestM = 1000, kLeastLength = 1e-3f;
+constexpr float kLeastAcrossM = 0.02f;              // between left and right hip or shoulder, along hips that face the wrong way
+constexpr float kOtherShare = 0.35f;                // by which a bone may differ from its rest length, after the scale of the whole
+constexpr float kSmallest = 0.4f, kLargest = 2.5f;  // scale of a person against the rest pose
+constexpr size_t kLeastBones = 4;
+
+struct BonePair {
+    std::string_view from, to;
+};
+// A bone that is not tracked, as many models lack it, goes rigidly with the one that carries it. Carriers come first.
+constexpr BonePair kRigid[] = {
+    {"hips", "spine"},
+    {"spine", "chest"},
+    {"chest", "upperChest"},
+    {"upperChest", "neck"},
+    {"upperChest", "leftShoulder"},
+    {"upperChest", "rightShoulder"},
+    {"leftFoot", "leftToes"},
+    {"rightFoot", "rightToes"},
+};
+constexpr BonePair kLengths[] = {
+    {"leftUpperArm", "leftLowerArm"},  {"rightUpperArm", "rightLowerArm"}, {"leftLowerArm", "leftHand"},
+    {"rightLowerArm", "rightHand"},    {"leftUpperLeg", "leftLowerLeg"},   {"rightUpperLeg", "rightLowerLeg"},
+    {"leftLowerLeg", "leftFoot"},      {"rightLowerLeg", "rightFoot"},     {"hips", "head"},
+    {"leftUpperArm", "rightUpperArm"},
+};
+
+bool isUsable(const float* numbers, size_t count, float largest) {
+    return std::all_of(numbers, numbers + count, [&](float x) { return std::abs(x) <= largest; });  // false for NaN
+}
+
+}  // namespace
+
+void cleanFrame(TrackFormat format, const TrackFrame& frame, CleanFrame& out) {
+    const size_t count = trackedJoints(format).size();
+    out.rotations.assign(count, Quatf(1, 0, 0, 0));
+    out.positions.assign(count, Vec3f(0));
+    out.tracked.assign(count, 0);
+    for (size_t j = 0; j < count; ++j) {
+        const float* p = frame.positions.data() + 3 * j;
+        if (!frame.confidence.empty() && !(frame.confidence[j] >= kTracked)) continue;
+        if (!isUsable(p, 3, kFarthestM)) continue;
+        if (!frame.rotations.empty()) {
+            const float* r = frame.rotations.data() + 4 * j;
+            if (!isUsable(r, 4, 1e6f)) continue;
+            const Quatf q(r[3], r[0], r[1], r[2]);
+            const float length = glm::length(q);
+            if (!(length > kLeastLength)) continue;
+            out.rotations[j] = q / length;
+        }
+        out.positions[j] = Vec3f(p[0], p[1], p[2]);
+        if (format == TrackFormat::Unity) {  // a mirror in z: left-handed to right-handed
+            const Quatf q = out.rotations[j];
+            out.rotations[j] = Quatf(q.w, -q.x, -q.y, q.z);
+            out.positions[j].z = -p[2];
+        }
+        if (format == TrackFormat::MediapipePose) out.positions[j] = Vec3f(p[0], -p[1], -p[2]);
+        out.tracked[j] = 1;
+    }
+}
+
+Result<TrackSkeleton> TrackSkeleton::create(TrackFormat format, const TrackFrame& rest) {
+    TrackSkeleton out;
+    const std::span<const TrackedJoint> table = trackedJoints(format);
+    for (size_t j = 0; j < table.size(); ++j) {
+        out.joints_.push_back({table[j].name, -1, Vec3f(0), table[j].bone});
+        if (!table[j].bone.empty()) out.bones_.emplace(table[j].bone, j);
+    }
+    out.uprightFromJoint_.assign(table.size(), Quatf(1, 0, 0, 0));
+    if (rest.positions.empty()) {
+        out.rest_.assign(standardRest().begin(), standardRest().end());
+        return out;
+    }
+    CleanFrame clean;
+    cleanFrame(format, rest, clean);
+    for (const std::string_view bone : {"hips", "head", "leftUpperArm", "rightUpperArm", "leftLowerArm", "rightLowerArm"}) {
+        const auto joint = findBone(out.bones_, bone);
+        if (joint && !clean.tracked[*joint])
+            return fail(Code::InvalidArgument, "rest: joint '{}' has a number that is not finite, or a rotation of zero",
+                        table[*joint].name);
+    }
+    std::erase_if(out.bones_, [&](const auto& entry) { return !clean.tracked[entry.second]; });  // bones that a model lacks
+    out.rest_ = clean.positions;
+    const auto upright = uprightFrom(out.bones_, out.rest_);
+    if (!upright) return fail(Code::CorruptData, "rest: the joints are not those of a standing person; give the T-pose of the platform");
+    for (Vec3f& p : out.rest_) p = *upright * p;
+    for (size_t j = 0; j < table.size(); ++j) out.uprightFromJoint_[j] = glm::normalize(glm::conjugate(*upright * clean.rotations[j]));
+    // Toes point ahead of ankles: else the names of the sides are swapped.
+    float ahead = 0;
+    for (const std::string side : {"left", "right"}) {
+        const auto foot = findBone(out.bones_, side + "Foot"), toes = findBone(out.bones_, side + "Toes");
+        if (foot && toes && clean.tracked[*foot] && clean.tracked[*toes]) ahead += out.rest_[*toes].z - out.rest_[*foot].z;
+    }
+    if (ahead < -0.05f)
+        return fail(Code::CorruptData, "rest: toes point behind, so left and right are swapped, or the axes are left-handed");
+    out.knowsLengths_ = true;
+    return out;
+}
+
+bool TrackSkeleton::isSwapped(const CleanFrame& frame) const {
+    const auto hips = findBone(bones_, "hips");
+    if (!hips || !frame.tracked[*hips]) return false;
+    const Vec3f left = frame.rotations[*hips] * Vec3f(1, 0, 0);
+    for (const std::string part : {"UpperLeg", "UpperArm"}) {
+        const auto a = findBone(bones_, "left" + part), b = findBone(bones_, "right" + part);
+        if (!a || !b || !frame.tracked[*a] || !frame.tracked[*b]) continue;
+        if (glm::dot(frame.positions[*a] - frame.positions[*b], left) < -kLeastAcrossM) return true;
+        if (part == "UpperLeg") return false;  // hips carry the legs; a chest can turn far
+    }
+    return false;
+}
+
+Status TrackSkeleton::checkLengths(const CleanFrame& frame) const {
+    std::vector<float> ratios;
+    for (const BonePair& pair : kLengths) {
+        const auto a = findBone(bones_, pair.from), b = findBone(bones_, pair.to);
+        if (!a || !b || !frame.tracked[*a] || !frame.tracked[*b]) continue;
+        const float before = glm::length(rest_[*b] - rest_[*a]);
+        if (before > 0.02f) ratios.push_back(glm::length(frame.positions[*b] - frame.positions[*a]) / before);
+    }
+    if (ratios.size() < kLeastBones) return {};
+    const auto middle = ratios.begin() + std::ptrdiff_t(ratios.size() / 2);
+    std::nth_element(ratios.begin(), middle, ratios.end());
+    const float scale = *middle;
+    if (!(scale > kSmallest) || !(scale < kLargest))
+        return fail(Code::CorruptData, "bones are {} times as long as at rest: metres are needed, of the skeleton that rest describes",
+                    scale);
+    const auto other = std::count_if(ratios.begin(), ratios.end(), [&](float r) { return std::abs(r / scale - 1) > kOtherShare; });
+    if (size_t(other) * 2 > ratios.size())
+        return fail(Code::CorruptData, "{} of {} bones have other proportions than at rest: another skeleton, or joints in another order",
+                    other, ratios.size());
+    return {};
+}
+
+Status TrackSkeleton::read(CleanFrame& frame) const {
+    for (size_t j = 0; j < joints_.size(); ++j)
+        if (frame.tracked[j]) frame.rotations[j] = glm::normalize(frame.rotations[j] * uprightFromJoint_[j]);
+    if (isSwapped(frame)) return fail(Code::CorruptData, "left and right of the hips or the arms are swapped");
+    if (knowsLengths_) DPL_CHECK_OK(checkLengths(frame));
+    for (const BonePair& pair : kRigid) {
+        const auto carrier = findBone(bones_, pair.from), bone = findBone(bones_, pair.to);
+        if (!carrier || !bone || !frame.tracked[*carrier] || frame.tracked[*bone]) continue;
+        frame.rotations[*bone] = frame.rotations[*carrier];
+        frame.tracked[*bone] = 1;
+    }
+    return {};
+}
+
+}  // namespace dpl
