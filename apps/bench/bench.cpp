@@ -89,11 +89,11 @@ Status runBench(const BenchOptions& options, const ContestantMaker& make, BenchE
             };
         };
         progress.beginStage("frames");
-        DPL_CHECK_OK(timeFrames(list, subject, options.repeats, report("timing")));
+        DPL_RETURN_IF_ERROR(timeFrames(list, subject, options.repeats, report("timing")));
         progress.endStage(test.name);
         if (!options.withoutReference) {
             progress.beginStage("referee");
-            DPL_CHECK_OK(measureErrors(list, subject, views, referee, report("drawing in double precision")));
+            DPL_RETURN_IF_ERROR(measureErrors(list, subject, views, referee, report("drawing in double precision")));
             progress.endStage(test.name);
         }
         for (const Contestant& c : list) {
@@ -111,10 +111,10 @@ Status runBench(const BenchOptions& options, const ContestantMaker& make, BenchE
     printAutoFill(options);
     std::printf("%s", extras.text().c_str());
     if (!options.plotFile.empty()) {
-        DPL_CHECK_OK(writePlot(options, plot));
+        DPL_RETURN_IF_ERROR(writePlot(options, plot));
     }
     if (!options.jsonFile.empty()) {
-        DPL_CHECK_OK(writeFileAtomically(options.jsonFile, text.json + extras.json()));
+        DPL_RETURN_IF_ERROR(writeFileAtomically(options.jsonFile, text.json + extras.json()));
     }
     return warm;
 }

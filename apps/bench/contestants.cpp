@@ -96,8 +96,8 @@ Result<FrameCost> drawFrame(Contestant& c, const BenchSubject& subject) {
     const Status drawn = posed ? c.drawer->draw() : posed;
     const double drawMilliseconds = millisecondsSince(start);
     const uint64_t allocations = count.stop();
-    DPL_CHECK_OK(inWords(c, drawn));
-    DPL_CHECK_OK(inWords(c, c.drawer->read()));
+    DPL_RETURN_IF_ERROR(inWords(c, drawn));
+    DPL_RETURN_IF_ERROR(inWords(c, c.drawer->read()));
     return FrameCost{millisecondsSince(start), drawMilliseconds, allocations};
 }
 
@@ -115,8 +115,8 @@ Result<uint64_t> drawInFlight(Contestant& c, const BenchSubject& subject) {
         if (drawn) drawn = c.drawer->draw();
     }
     const uint64_t allocations = count.stop();
-    DPL_CHECK_OK(inWords(c, drawn));
-    DPL_CHECK_OK(inWords(c, c.drawer->read()));
+    DPL_RETURN_IF_ERROR(inWords(c, drawn));
+    DPL_RETURN_IF_ERROR(inWords(c, c.drawer->read()));
     return allocations;
 }
 
@@ -204,9 +204,9 @@ Status timeFrames(std::vector<Contestant>& list, const BenchSubject& subject, ui
                 c.milliseconds.push_back(cost.milliseconds);
                 c.drawMilliseconds.push_back(cost.drawMilliseconds);
                 c.warmAllocations += cost.allocations;
-                DPL_CHECK_OK(samplePasses(c));
+                DPL_RETURN_IF_ERROR(samplePasses(c));
             }
-            DPL_CHECK_OK(progress((round + 1.0) / rounds));
+            DPL_RETURN_IF_ERROR(progress((round + 1.0) / rounds));
         }
     if (coldAllocations == 0) return fail(Code::Internal, "the first frames allocated nothing: the counter of allocations does not count");
     for (size_t i = 0; i < list.size(); ++i) {
@@ -234,7 +234,7 @@ Status measureErrors(std::vector<Contestant>& list, const BenchSubject& subject,
             else
                 errors.push_back({compareWith(want, picture), coveredFlip(want, picture)});
             list[i].error += errors[i].error, list[i].flip += errors[i].flip / double(views.size());
-            DPL_CHECK_OK(progress((double(v) + double(i + 1) / double(list.size())) / double(views.size())));
+            DPL_RETURN_IF_ERROR(progress((double(v) + double(i + 1) / double(list.size())) / double(views.size())));
         }
     }
     return {};

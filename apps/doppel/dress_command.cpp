@@ -30,7 +30,7 @@ Status dress(const DressOptions& options) {
                                               return !progress.cancelled();
                                           },
                                           jobs));
-    DPL_CHECK_OK(writeFileAtomically(options.out, result.bytes));
+    DPL_RETURN_IF_ERROR(writeFileAtomically(options.out, result.bytes));
     progress.endStage(formatText("{} bytes", result.bytes.size()));
     for (const DressedLayer& layer : result.dressed.layers) {
         std::printf("%-7s %s from %s: %u triangles, %u splats, moved by %.1f mm on average\n", layer.layer.c_str(),

@@ -48,7 +48,7 @@ Result<PackResult> pack(const PackOptions& options, const Talk& talk) {
                                             return progress.cancelled() ? Status(fail(Code::Cancelled, "stopped; nothing was written"))
                                                                         : Status();
                                         }));
-    DPL_CHECK_OK(writeFileAtomically(options.out, packed.file));
+    DPL_RETURN_IF_ERROR(writeFileAtomically(options.out, packed.file));
     progress.endStage(formatText("{} bytes", packed.file.size()));
     return packed;
 }

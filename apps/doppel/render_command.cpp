@@ -63,7 +63,7 @@ Status makeFolder(const fs::path& folder) {
 Result<size_t> renderScan(const RenderOptions& options, const doppel::Context& context, doppel::Avatar& avatar, Progress& progress) {
     const fs::path posesPath = options.poses.empty() ? options.avatar.parent_path() / "poses.json" : options.poses;
     DPL_TRY(const RunScan run, readRunScan(options.scan, posesPath));
-    DPL_CHECK_OK(makeFolder(options.out));
+    DPL_RETURN_IF_ERROR(makeFolder(options.out));
     std::vector<size_t> frames;
     for (size_t f = 0; f < run.scan.frames.size(); ++f)
         if (options.split == "all" || splitName(run.scan.frames[f].split) == options.split) frames.push_back(f);
@@ -79,7 +79,7 @@ Result<size_t> renderScan(const RenderOptions& options, const doppel::Context& c
         const Cameraf camera = run.cameras[frames[i]].scaled(options.scale).cast<float>();
         const DplAvatar row[1] = {avatar.handle()};
         DPL_TRY(auto pixels, drawViews(context, row, {&camera, 1}));
-        DPL_CHECK_OK(writePng(options.out / (found.name + ".png"), pixels[0], camera.widthPx, camera.heightPx, 4));
+        DPL_RETURN_IF_ERROR(writePng(options.out / (found.name + ".png"), pixels[0], camera.widthPx, camera.heightPx, 4));
         progress.update(double(i + 1) / double(frames.size()), found.name);
     }
     progress.endStage(formatText("{} pictures in {}", frames.size(), options.out.string()));
@@ -135,7 +135,7 @@ Result<size_t> renderShots(const RenderOptions& options, const doppel::Context& 
         company.clips.push_back(0);
         company.asideM.push_back(options.apartM * (double(i) - 0.5 * double(company.avatars.size() - 1)));
         if (options.clip.empty()) {
-            DPL_CHECK_OK(moveAside(avatar, company.asideM[i]));
+            DPL_RETURN_IF_ERROR(moveAside(avatar, company.asideM[i]));
             continue;
         }
         DPL_TRY(company.clips[i], chooseClip(avatar, options.clip));
@@ -152,7 +152,7 @@ Result<size_t> renderShots(const RenderOptions& options, const doppel::Context& 
     const uint32_t viewCount = options.stereo ? 2 : 1, outWidthPx = size.widthPx * viewCount;
     if (video && (outWidthPx % 2 || size.heightPx % 2))
         return fail(Code::InvalidArgument, "--size {}: a video needs an even width and height, like 720x1280", options.size);
-    if (!still && !video) DPL_CHECK_OK(makeFolder(options.out));
+    if (!still && !video) DPL_RETURN_IF_ERROR(makeFolder(options.out));
     std::optional<VideoWriter> writer;
     if (video) {
         DPL_TRY(auto opened, VideoWriter::open(options.out, outWidthPx, size.heightPx, options.framesPerSecond));
@@ -164,7 +164,7 @@ Result<size_t> renderShots(const RenderOptions& options, const doppel::Context& 
         const double timeS = options.timeS + double(i) / options.framesPerSecond;
         for (size_t k = 0; k < company.avatars.size() && !options.clip.empty(); ++k) {
             if (auto set = company.avatars[k].setPoseFromClip(company.clips[k], timeS, true); !set) return fromSdk(set.error());
-            DPL_CHECK_OK(moveAside(company.avatars[k], company.asideM[k]));
+            DPL_RETURN_IF_ERROR(moveAside(company.avatars[k], company.asideM[k]));
         }
         const double turn = options.turntable ? 2 * std::numbers::pi * double(i) / double(frameCount) : 0;
         const Cameraf centre = frameAvatar(box, size.widthPx, size.heightPx, options.azimuthDeg * std::numbers::pi / 180 + turn,
@@ -173,17 +173,17 @@ Result<size_t> renderShots(const RenderOptions& options, const doppel::Context& 
         if (options.stereo) views = {shiftedSideways(centre, -kEyeDistanceM / 2), shiftedSideways(centre, kEyeDistanceM / 2)};
         DPL_TRY(auto pixels, drawViews(context, company.row, views));
         if (still && !options.stereo) {
-            DPL_CHECK_OK(writePng(options.out, pixels[0], size.widthPx, size.heightPx, 4));
+            DPL_RETURN_IF_ERROR(writePng(options.out, pixels[0], size.widthPx, size.heightPx, 4));
         } else {
             const std::vector<uint8_t> rgb = sideBySide(pixels, size.widthPx, size.heightPx);
             char name[32];
             std::snprintf(name, sizeof name, "%05zu.png", i);
-            DPL_CHECK_OK(video ? writer->write(rgb)
-                               : writePng(still ? options.out : options.out / name, rgb, outWidthPx, size.heightPx, 3));
+            DPL_RETURN_IF_ERROR(video ? writer->write(rgb)
+                                      : writePng(still ? options.out : options.out / name, rgb, outWidthPx, size.heightPx, 3));
         }
         progress.update(double(i + 1) / double(frameCount), formatText("frame {} of {}", i + 1, frameCount));
     }
-    if (writer) DPL_CHECK_OK(writer->finish());
+    if (writer) DPL_RETURN_IF_ERROR(writer->finish());
     std::string kept;
     if (options.splatsPerPixel > 0 || options.splatBudget > 0) {
         auto stats = company.avatars[0].frameStats();
@@ -232,7 +232,7 @@ Result<nlohmann::json> renderAll(const RenderOptions& options, const Talk& talk)
         if (!avatar) return fail(fromSdk(avatar.error()).code, "{}: {}", file.string(), avatar.error().message);
         auto info = avatar->info();
         if (!info) return fromSdk(info.error());
-        if (info->jointCount == 0) DPL_CHECK_OK(checkStill(options, file));
+        if (info->jointCount == 0) DPL_RETURN_IF_ERROR(checkStill(options, file));
         progress.detail(formatText("{}: {} bytes, {} splats of {}, loaded in {} ms", file.string(), bytes.size(), info->splatCount,
                                    info->fileSplatCount, millisecondsSince(start)));
         company.avatars.push_back(std::move(*avatar));

@@ -75,13 +75,13 @@ Status Turntable::add(std::span<const uint8_t> rgb, uint32_t widthPx, uint32_t h
             const auto from = rgb.begin() + ptrdiff_t(size_t(y) * widthPx * 3);
             even.insert(even.end(), from, from + ptrdiff_t(row));
         }
-        DPL_CHECK_OK(video_->write(even));
-        if (last) DPL_CHECK_OK(video_->finish());
+        DPL_RETURN_IF_ERROR(video_->write(even));
+        if (last) DPL_RETURN_IF_ERROR(video_->finish());
     } else {
         char name[16];
         std::snprintf(name, sizeof name, "%05u.png", done_);
-        DPL_CHECK_OK(writeScreenshot(pictures_->path() / name, rgb, widthPx, heightPx));
-        if (last) DPL_CHECK_OK(pictures_->rename(path_));
+        DPL_RETURN_IF_ERROR(writeScreenshot(pictures_->path() / name, rgb, widthPx, heightPx));
+        if (last) DPL_RETURN_IF_ERROR(pictures_->rename(path_));
     }
     ++done_;
     return {};

@@ -23,7 +23,7 @@ Result<ViewedSubject> ViewedSubject::of(doppel::Avatar avatar, std::string file)
     }
     made.byHandDeg.resize(made.joints.size(), Vec3f(0));
     made.rotations_.resize(made.joints.size() * 4);
-    if (info->clipCount > 0) DPL_CHECK_OK(made.takeNewClip());
+    if (info->clipCount > 0) DPL_RETURN_IF_ERROR(made.takeNewClip());
     if (!made.clips.empty()) made.clip = 0;
     return made;
 }

@@ -70,12 +70,12 @@ Result<std::string> writeCapture(const std::filesystem::path& folder, std::span<
     for (size_t i = 0; i < views.size(); ++i) {
         const xr::CapturedView& view = views[i];
         DPL_TRY(const auto png, encodePng(codesOf(view), view.widthPx, view.heightPx, 4));
-        DPL_CHECK_OK(writeFileAtomically(folder / formatText("view_{}.png", i), png));
-        DPL_CHECK_OK(writeFileAtomically(folder / formatText("view_{}_depth.pfm", i), pfmOf(view)));
+        DPL_RETURN_IF_ERROR(writeFileAtomically(folder / formatText("view_{}.png", i), png));
+        DPL_RETURN_IF_ERROR(writeFileAtomically(folder / formatText("view_{}_depth.pfm", i), pfmOf(view)));
         all["views"].push_back(jsonOf(view, scene));
     }
     std::string text = all.dump(1) + "\n";
-    DPL_CHECK_OK(writeFileAtomically(folder / "views.json", text));
+    DPL_RETURN_IF_ERROR(writeFileAtomically(folder / "views.json", text));
     return text;
 }
 

@@ -108,7 +108,7 @@ Status play(const Options& options, xr::Runtime& runtime, doppel::Avatar& avatar
         if (*step == xr::Step::Drew) {
             ++drawn;
             lastProgress = Clock::now();
-            if (drawn == options.frames && !options.capture.empty()) DPL_CHECK_OK(capture(options, runtime, scene, session));
+            if (drawn == options.frames && !options.capture.empty()) DPL_RETURN_IF_ERROR(capture(options, runtime, scene, session));
             scene.moveByControllers(session);
         }
         leaving = interrupted || (options.frames > 0 && drawn >= options.frames);

@@ -155,7 +155,7 @@ Result<Picture> decodePicture(std::span<const uint8_t> file, PictureChannels cha
 Result<std::vector<uint8_t>> encodePng(std::span<const uint8_t> pixels, uint32_t widthPx, uint32_t heightPx, uint32_t channels) {
     if (channels != 1 && channels != 3 && channels != 4)
         return fail(Code::InvalidArgument, "a PNG cannot have {} channels; use 1, 3 or 4", channels);
-    DPL_CHECK_OK(checkPixels(pixels, widthPx, heightPx, channels));
+    DPL_RETURN_IF_ERROR(checkPixels(pixels, widthPx, heightPx, channels));
     char error[sizeof PngSource::error] = "";
     struct Writer {
         png_structp png;
@@ -176,7 +176,7 @@ Result<std::vector<uint8_t>> encodeJpeg(std::span<const uint8_t> pixels, uint32_
                                         int quality) {
     if (channels != 1 && channels != 3) return fail(Code::InvalidArgument, "a JPEG cannot have {} channels; use 1 or 3", channels);
     if (quality < 1 || quality > 100) return fail(Code::InvalidArgument, "JPEG quality {} is out of range; use 1 to 100", quality);
-    DPL_CHECK_OK(checkPixels(pixels, widthPx, heightPx, channels));
+    DPL_RETURN_IF_ERROR(checkPixels(pixels, widthPx, heightPx, channels));
     const TurboHandle turbo{tjInitCompress()};
     if (!turbo.handle) return fail(Code::OutOfMemory, "no memory to encode a JPEG");
     unsigned char* bytes = nullptr;

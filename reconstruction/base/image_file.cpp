@@ -98,7 +98,7 @@ Result<Walk> walkImage(Bytes b, bool wholeFile, const fs::path& path) {
         return fail(Code::Unsupported, "{}: neither JPEG nor PNG; convert the image", path.string());
     if (walk.header.widthPx == 0 || walk.header.heightPx == 0)
         return fail(Code::CorruptData, "{}: damaged before its size could be read; copy the image again", path.string());
-    DPL_CHECK_OK(checkImageSize(walk.header.widthPx, walk.header.heightPx, path.string()));
+    DPL_RETURN_IF_ERROR(checkImageSize(walk.header.widthPx, walk.header.heightPx, path.string()));
     return walk;
 }
 
@@ -135,7 +135,7 @@ Status checkCompleteImage(Bytes bytes, const fs::path& path) {
 
 Result<std::vector<uint8_t>> readCompleteImage(const fs::path& path) {
     DPL_TRY(auto bytes, readBytes(path, kMaxFileBytes));
-    DPL_CHECK_OK(checkCompleteImage(bytes, path));
+    DPL_RETURN_IF_ERROR(checkCompleteImage(bytes, path));
     return bytes;
 }
 

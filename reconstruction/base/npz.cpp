@@ -34,7 +34,7 @@ Result<NpyArray> parseNpy(std::span<const uint8_t> bytes, size_t maxValues) {
     DPL_TRY(const auto magic, in.take(6));
     if (std::memcmp(magic.data(), kMagic, 6) != 0) return fail(Code::CorruptData, "not a .npy array");
     DPL_TRY(const uint8_t major, in.value<uint8_t>());
-    DPL_CHECK_OK(in.skip(1));
+    DPL_RETURN_IF_ERROR(in.skip(1));
     size_t headerBytes = 0;
     if (major == 1) {
         DPL_TRY(headerBytes, in.value<uint16_t>());

@@ -34,7 +34,7 @@ Result<ZipFile> ZipFile::open(std::span<const uint8_t> bytes) {
         const uint16_t flags = valueAt<uint16_t>(e, 8), method = valueAt<uint16_t>(e, 10);
         const uint32_t stored = valueAt<uint32_t>(e, 20), plain = valueAt<uint32_t>(e, 24), offset = valueAt<uint32_t>(e, 42);
         DPL_TRY(const auto nameRaw, directory.take(valueAt<uint16_t>(e, 28)));
-        DPL_CHECK_OK(directory.skip(size_t(valueAt<uint16_t>(e, 30)) + valueAt<uint16_t>(e, 32)));
+        DPL_RETURN_IF_ERROR(directory.skip(size_t(valueAt<uint16_t>(e, 30)) + valueAt<uint16_t>(e, 32)));
         std::string name(nameRaw.begin(), nameRaw.end());
         if ((flags & 1) || (method != 0 && method != 8) || stored == UINT32_MAX || plain == UINT32_MAX || offset == UINT32_MAX)
             return fail(Code::Unsupported,

@@ -103,8 +103,8 @@ Result<FoundCameras> readCamerasFile(const std::filesystem::path& path) {
         FoundCamera frame;
         if (!readCamera(entry, frame)) return damaged;
         const std::string where = formatText("{} frame '{}'", path.string(), frame.name.substr(0, 60));
-        DPL_CHECK_OK(checkCamera(frame.camera, where));
-        DPL_CHECK_OK(checkDistortion(found.lens, frame.camera, where));
+        DPL_RETURN_IF_ERROR(checkCamera(frame.camera, where));
+        DPL_RETURN_IF_ERROR(checkDistortion(found.lens, frame.camera, where));
         found.cameras.push_back(std::move(frame));
     }
     return found;

@@ -17,7 +17,7 @@ void putText(Writer& out, const std::string& text) {
 
 Result<std::string> getText(Reader& in) {
     std::vector<char> text;
-    DPL_CHECK_OK(getArray(in, text));
+    DPL_RETURN_IF_ERROR(getArray(in, text));
     return std::string(text.begin(), text.end());
 }
 
@@ -25,12 +25,12 @@ Status readBody(Reader& in, ClothedMesh& c) {
     DPL_TRY(uint32_t magic, in.u32());
     DPL_TRY(uint32_t version, in.u32());
     if (magic != kMagic || version != kVersion) return fail(Code::Version, "not a file of layers of version {}", kVersion);
-    DPL_CHECK_OK(getArray(in, c.mesh.restPositions));
-    DPL_CHECK_OK(getArray(in, c.mesh.colours));
-    DPL_CHECK_OK(getArray(in, c.mesh.jointIndices));
-    DPL_CHECK_OK(getArray(in, c.mesh.jointWeights));
-    DPL_CHECK_OK(getArray(in, c.mesh.triangles));
-    DPL_CHECK_OK(getArray(in, c.triangleLabel));
+    DPL_RETURN_IF_ERROR(getArray(in, c.mesh.restPositions));
+    DPL_RETURN_IF_ERROR(getArray(in, c.mesh.colours));
+    DPL_RETURN_IF_ERROR(getArray(in, c.mesh.jointIndices));
+    DPL_RETURN_IF_ERROR(getArray(in, c.mesh.jointWeights));
+    DPL_RETURN_IF_ERROR(getArray(in, c.mesh.triangles));
+    DPL_RETURN_IF_ERROR(getArray(in, c.triangleLabel));
     DPL_TRY(const uint32_t layers, in.u32());
     for (uint32_t i = 0; i < layers; ++i) {
         LayerData layer;

@@ -57,7 +57,7 @@ Result<std::string> evaluateAvatar(const EvaluateOptions& options, Progress& pro
         DPL_TRY(lpips, Lpips::load(options.lpips));
     }
     table.usable.assign(table.scan.frames.size(), true);
-    DPL_CHECK_OK(checkSkeleton(poses, posesPath, avatar.joints, options.avatar));
+    DPL_RETURN_IF_ERROR(checkSkeleton(poses, posesPath, avatar.joints, options.avatar));
     if (!options.out.empty()) {
         std::error_code error;
         std::filesystem::create_directories(options.out, error);
@@ -102,7 +102,7 @@ Result<std::string> evaluateAvatar(const EvaluateOptions& options, Progress& pro
     if (options.out.empty()) return summary;
     data.evidence = avatar.evidence;
     DPL_TRY(data.portrait, drawPortrait(ingested.scan, cameras, poses, avatar, view, jobs));
-    DPL_CHECK_OK(writeReport(data, options.out));
+    DPL_RETURN_IF_ERROR(writeReport(data, options.out));
     return summary + formatText("\nOpen {} to see the avatar beside these pictures.", (options.out / "report.html").string());
 }
 

@@ -146,7 +146,7 @@ Result<Run::Node<T>*> Run::makeNode() {
     using Stage = StageOf<T>;
     auto node = std::make_unique<Node<T>>();
     node->inputs = std::make_unique<StageInputs>(*this);
-    DPL_CHECK_OK(Stage::inputs(*node->inputs));
+    DPL_RETURN_IF_ERROR(Stage::inputs(*node->inputs));
     if constexpr (requires { Stage::kPriors; }) node->inputs->value("priors", priorsOf(Stage::kPriors));
     if constexpr (requires { &Stage::make; }) {
         DPL_TRY(StageOutput made, chain_.run(Stage::kName.name, Stage::kName.version, node->inputs->values(),

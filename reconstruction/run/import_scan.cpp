@@ -92,8 +92,8 @@ Result<fs::path> scanToReconstruct(const ReconstructOptions& options, Progress& 
         files = filesOf(layout);
     }
     for (const auto* videos : {&import.videos.still, &import.videos.closeup, &import.videos.moving})
-        DPL_CHECK_OK(checkFiles(*videos, import.out));
-    DPL_CHECK_OK(checkFiles(files, import.out));
+        DPL_RETURN_IF_ERROR(checkFiles(*videos, import.out));
+    DPL_RETURN_IF_ERROR(checkFiles(files, import.out));
     const fs::path keyFile = options.out / "scan.import.json";
     const std::string key = keyOf(import, files);
     const auto before = readFile(keyFile, 64 << 20);
@@ -105,8 +105,8 @@ Result<fs::path> scanToReconstruct(const ReconstructOptions& options, Progress& 
         }
         progress.note(formatText("imported again: {}", scan.error().message));
     }
-    DPL_CHECK_OK(makeRoom(import.out, bool(before), progress));
-    DPL_CHECK_OK(writeFileAtomically(keyFile, "\"importing\""));  // says that OUT/scan is an import's, whole or not
+    DPL_RETURN_IF_ERROR(makeRoom(import.out, bool(before), progress));
+    DPL_RETURN_IF_ERROR(writeFileAtomically(keyFile, "\"importing\""));  // says that OUT/scan is an import's, whole or not
     progress.beginStage("import");
     DPL_TRY(const std::string summary, importCapture(import, &progress.cancelFlag(), [&](double share, const std::string& what) {
                 progress.update(share, what);
@@ -114,7 +114,7 @@ Result<fs::path> scanToReconstruct(const ReconstructOptions& options, Progress& 
             }));
     progress.endStage("done");
     progress.note(summary.substr(0, summary.rfind('\n')));  // the last line names the next command, which this one is
-    DPL_CHECK_OK(writeFileAtomically(keyFile, key));
+    DPL_RETURN_IF_ERROR(writeFileAtomically(keyFile, key));
     return import.out;
 }
 

@@ -41,8 +41,8 @@ Result<std::vector<std::shared_ptr<const PosePrecision>>> readPrecisions(const s
             return fail(Code::Version, "not a file of precisions of version {}", kPrecisionVersion);
         for (size_t f = 0; f < frameCount; ++f) {
             PosePrecision p;
-            DPL_CHECK_OK(getArray(in, p.joints));
-            DPL_CHECK_OK(getArray(in, p.matrix));
+            DPL_RETURN_IF_ERROR(getArray(in, p.joints));
+            DPL_RETURN_IF_ERROR(getArray(in, p.matrix));
             if (!fits(p, jointCount)) return fail(Code::CorruptData, "the precision of frame {} does not fit the body", f);
             precisions.push_back(std::make_shared<const PosePrecision>(std::move(p)));
         }

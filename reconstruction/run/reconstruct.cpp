@@ -38,7 +38,7 @@ Result<const MappedBody*> mapAndTell(Run& run) {
     run.progress().note(withoutLastBreak(table->verdict));
     run.progress().note(table->validation);
     DPL_TRY(const MappedBody* mapped, run.get<MappedBody>());
-    DPL_CHECK_OK(tellVerdict(run));
+    DPL_RETURN_IF_ERROR(tellVerdict(run));
     return mapped;
 }
 
@@ -60,12 +60,12 @@ Result<T> withRun(const ReconstructOptions& options, Progress& progress, const s
     Jobs jobs(options.threadCount);
     StageChain chain(options.out, progress);
     Run run(chain, jobs, progress);
-    DPL_CHECK_OK(checkOutputIsFree(options));
+    DPL_RETURN_IF_ERROR(checkOutputIsFree(options));
     const auto scan = scanToReconstruct(options, progress);
     if (!scan) return refuse(options.out, {"import"}, scan.error());
     run.put(RunRequest{*scan, options}, "request");
     DPL_TRY(const ReadScan* read, run.get<ReadScan>());
-    DPL_CHECK_OK(claimOutput(options, read->scan));
+    DPL_RETURN_IF_ERROR(claimOutput(options, read->scan));
     return work(run);
 }
 
@@ -76,19 +76,19 @@ Result<ReconstructResult> completeRun(Run& run) {
     ReconstructResult result{out / "avatar.glb", out / "poses.json", out / "report.html", "", {}};
     DPL_TRY(const MappedBody* mapped, mapAndTell(run));
     run.progress().note(withoutLastBreak(mapped->advice));
-    DPL_CHECK_OK(run.get<GarmentLayers>());
+    DPL_RETURN_IF_ERROR(run.get<GarmentLayers>());
     DPL_TRY(const Package* package, run.get<Package>());
-    DPL_CHECK_OK(writeFileAtomically(result.avatar, package->bytes));
+    DPL_RETURN_IF_ERROR(writeFileAtomically(result.avatar, package->bytes));
     DPL_TRY(const FoundPoses* found, run.get<FoundPoses>());
     DPL_TRY(const auto posesBytes, readFile(found->file));
-    DPL_CHECK_OK(writeFileAtomically(result.poses, posesBytes));
-    DPL_CHECK_OK(tellVerdict(run, found->poses.avatarHash));
+    DPL_RETURN_IF_ERROR(writeFileAtomically(result.poses, posesBytes));
+    DPL_RETURN_IF_ERROR(tellVerdict(run, found->poses.avatarHash));
     DPL_TRY(const FrameTable* table, run.get<FrameTable>());
-    DPL_CHECK_OK(writeCameras(*table, camerasBeside(result.poses)));
+    DPL_RETURN_IF_ERROR(writeCameras(*table, camerasBeside(result.poses)));
     DPL_TRY(const ReportFiles* report, run.get<ReportFiles>());
     for (const char* name : {"report.html", "report.json"}) {
         DPL_TRY(const auto bytes, readFile(report->folder / name));
-        DPL_CHECK_OK(writeFileAtomically(out / name, bytes));
+        DPL_RETURN_IF_ERROR(writeFileAtomically(out / name, bytes));
     }
     result.summary = report->summary;
     result.stages = run.chain().records();

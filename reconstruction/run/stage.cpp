@@ -163,8 +163,9 @@ Result<StageOutput> StageChain::run(const std::string& name, uint32_t version, c
     else
         fs::remove_all(workFolder, ignored);
     if (!made && damage.empty()) progress_.detail(formatText("{} runs: {}", name, whatChanged(manifest, version, inputs)));
-    DPL_CHECK_OK(makeFolder(workFolder));
-    DPL_CHECK_OK(writeFileAtomically(workFolder / "manifest.json", json{{"stage", name}, {"key", key}, {"finished", false}}.dump(1)));
+    DPL_RETURN_IF_ERROR(makeFolder(workFolder));
+    DPL_RETURN_IF_ERROR(
+        writeFileAtomically(workFolder / "manifest.json", json{{"stage", name}, {"key", key}, {"finished", false}}.dump(1)));
 
     resetPeakMemory();
     const auto start = std::chrono::steady_clock::now();
@@ -176,7 +177,7 @@ Result<StageOutput> StageChain::run(const std::string& name, uint32_t version, c
     DPL_TRY(const json files, listFiles(workFolder));
     const json finished = {{"stage", name},      {"version", version},     {"key", key},    {"finished", true}, {"inputs", inputs},
                            {"seconds", seconds}, {"peakBytes", peakBytes}, {"files", files}};
-    DPL_CHECK_OK(writeFileAtomically(workFolder / "manifest.json", finished.dump(1)));
+    DPL_RETURN_IF_ERROR(writeFileAtomically(workFolder / "manifest.json", finished.dump(1)));
     fs::remove_all(folder, ignored);
     std::error_code error;
     fs::rename(workFolder, folder, error);

@@ -44,7 +44,7 @@ Status StageOf<AssembledAvatar>::inputs(StageInputs& in) {
     in.value("shPaletteEntries", kAvatarPalette.maxEntries);
     in.value("shPaletteLevels", kAvatarPalette.maxRmsLevels);
     in.value("tuckedPoses", kTuckedPoses);
-    DPL_CHECK_OK(in.use<RegisteredPoses>());
+    DPL_RETURN_IF_ERROR(in.use<RegisteredPoses>());
     return in.use<Training>();
 }
 

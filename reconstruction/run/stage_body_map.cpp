@@ -65,11 +65,11 @@ Status StageOf<MappedBody>::make(StageInputs& in, StageContext& context) {
     DPL_TRY(const std::vector<SeenTriangle> map, mapBody(mesh, joints, stills, tell, in.jobs()));
     const FilmAgain advice = bestShots(mesh, joints, places, map, stills, in.jobs());
     const CaptureMapData capture = captureMapOf(mesh, joints.size(), map, advice.viewable);
-    DPL_CHECK_OK(checkCaptureMap(capture, joints.size()));
-    DPL_CHECK_OK(writeFileAtomically(context.folder / "capture_map.bin", encodeCaptureMap(capture)));
+    DPL_RETURN_IF_ERROR(checkCaptureMap(capture, joints.size()));
+    DPL_RETURN_IF_ERROR(writeFileAtomically(context.folder / "capture_map.bin", encodeCaptureMap(capture)));
     DPL_TRY(const std::vector<MapPicture> drawn, drawMap(mesh, map));
-    for (size_t i = 0; i < drawn.size(); ++i) DPL_CHECK_OK(writeFileAtomically(context.folder / kPictureFiles[i], drawn[i].png));
-    DPL_CHECK_OK(writeFileAtomically(context.folder / "map.json", figuresJson(advice).dump(1)));
+    for (size_t i = 0; i < drawn.size(); ++i) DPL_RETURN_IF_ERROR(writeFileAtomically(context.folder / kPictureFiles[i], drawn[i].png));
+    DPL_RETURN_IF_ERROR(writeFileAtomically(context.folder / "map.json", figuresJson(advice).dump(1)));
     return writeFileAtomically(context.folder / "film_again.txt", describeShots(advice));
 }
 

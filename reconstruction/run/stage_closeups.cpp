@@ -50,7 +50,7 @@ Status StageOf<CloseupMasks>::make(StageInputs& in, StageContext& context) {
         const std::filesystem::path path = context.folder / (frame.name + ".png");
         std::error_code ignored;
         std::filesystem::create_directories(path.parent_path(), ignored);
-        DPL_CHECK_OK(writeFileAtomically(path, bytes));
+        DPL_RETURN_IF_ERROR(writeFileAtomically(path, bytes));
     }
     return writeFileAtomically(context.folder / "closeups.json", closeups.dump(1));
 }

@@ -47,10 +47,10 @@ Result<uint32_t> stepsInBudget(const CoOptimiseInput& input, const RunSettings& 
     if (const auto steps = probedSteps(context.folder)) return *steps;
     DPL_TRY(auto probe, CoOptimiser::create(input, slowestSteps(settings.training), jobs));
     const auto start = std::chrono::steady_clock::now();
-    DPL_CHECK_OK(probe->run({}, &context.progress.cancelFlag(), kProbeSteps));
+    DPL_RETURN_IF_ERROR(probe->run({}, &context.progress.cancelFlag(), kProbeSteps));
     const double secondsPerStep = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count() / kProbeSteps;
     const uint32_t steps = uint32_t(std::clamp(settings.timeBudgetMinutes * 60 / secondsPerStep, 100.0, 1e6));
-    DPL_CHECK_OK(writeFileAtomically(context.folder / kStepsFile, std::to_string(steps)));
+    DPL_RETURN_IF_ERROR(writeFileAtomically(context.folder / kStepsFile, std::to_string(steps)));
     return steps;
 }
 
@@ -78,10 +78,10 @@ Status train(CoOptimiseInput input, const RunSettings& settings, Jobs& jobs, Sta
         const Status ran = optimiser->run(report, &context.progress.cancelFlag(), 100);
         const bool due = std::chrono::duration<double>(std::chrono::steady_clock::now() - saved).count() > settings.checkpointS;
         if (due || !ran) {
-            DPL_CHECK_OK(optimiser->checkpoint(checkpoint));
+            DPL_RETURN_IF_ERROR(optimiser->checkpoint(checkpoint));
             saved = std::chrono::steady_clock::now();
         }
-        DPL_CHECK_OK(ran);
+        DPL_RETURN_IF_ERROR(ran);
     }
     return writeTrainedFile(optimiser->result(), context.folder / kTrainedFile);
 }
@@ -106,8 +106,8 @@ Status StageOf<Training>::inputs(StageInputs& in) {
     DPL_TRY([[maybe_unused]] const MetricCameras* cameras, in.part<MetricCameras>());
     in.value("training", table->trainingHash);
     in.value("settings", trainingInputs(*settings));
-    DPL_CHECK_OK(in.use<FittedBody>());
-    DPL_CHECK_OK(in.use<GarmentLayers>());
+    DPL_RETURN_IF_ERROR(in.use<FittedBody>());
+    DPL_RETURN_IF_ERROR(in.use<GarmentLayers>());
     return in.use<RegisteredPoses>();
 }
 
@@ -125,7 +125,7 @@ Status StageOf<Training>::make(StageInputs& in, StageContext& context) {
     DPL_TRY(FrameSet set, registeredFrames(in, Split::Train));
     if (set.frames.empty()) return fail(Code::InvalidArgument, "no usable training frames");
     DPL_TRY(CoOptimiseInput input, trainingInput(*body, *layers, std::move(set.frames)));
-    DPL_CHECK_OK(train(std::move(input), *settings, in.jobs(), context));
+    DPL_RETURN_IF_ERROR(train(std::move(input), *settings, in.jobs(), context));
     return dropCheckpoint();
 }
 

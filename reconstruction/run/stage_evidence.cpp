@@ -201,8 +201,8 @@ Status StageOf<MeasuredParts>::inputs(StageInputs& in) {
     in.value("validation", juryInputs(*table));
     in.value("poseFit", fieldsJson(after->settings.poseFit));
     in.value("framesOfAKind", kFramesOfAKind);
-    DPL_CHECK_OK(in.use<RegisteredPoses>());
-    DPL_CHECK_OK(in.use<Training>());
+    DPL_RETURN_IF_ERROR(in.use<RegisteredPoses>());
+    DPL_RETURN_IF_ERROR(in.use<Training>());
     return in.use<AssembledAvatar>();
 }
 

@@ -92,7 +92,7 @@ Status StageOf<GarmentLayers>::make(StageInputs& in, StageContext& context) {
         legs.push_back({{"part", d.name}, {"parted", d.seen.parted()}, {"cloth_pixels", d.seen.cloth}, {"free_pixels", d.seen.free}});
     const json info = {{"summary", fit.summary},  {"decisions", decisions},        {"legs", legs},
                        {"hull_iou", fit.hullIou}, {"inside_body", fit.insideBody}, {"largest_weight_step", fit.largestWeightStep}};
-    DPL_CHECK_OK(writeFileAtomically(context.folder / "garments.json", info.dump(1)));
+    DPL_RETURN_IF_ERROR(writeFileAtomically(context.folder / "garments.json", info.dump(1)));
     context.progress.note(fit.summary);
     return writeClothedFile(fit.clothed, context.folder / "clothed.bin");
 }

@@ -54,8 +54,8 @@ Status StageOf<CheckedScan>::make(StageInputs& in, StageContext& context) {
             }));
     json usable = json::array();
     for (const FrameCheck& frame : check.frames) usable.push_back(frame.usable);
-    DPL_CHECK_OK(writeFileAtomically(context.folder / "check.json", scanCheckJson(scan, check)));
-    DPL_CHECK_OK(writeFileAtomically(context.folder / "verdict.txt", describeScanCheck(scan, check)));
+    DPL_RETURN_IF_ERROR(writeFileAtomically(context.folder / "check.json", scanCheckJson(scan, check)));
+    DPL_RETURN_IF_ERROR(writeFileAtomically(context.folder / "verdict.txt", describeScanCheck(scan, check)));
     return writeFileAtomically(context.folder / "usable.json",
                                json{{"usable", usable}, {"refused", check.verdict == ScanVerdict::Refuse}}.dump());
 }

@@ -21,8 +21,8 @@ Status StageOf<Package>::inputs(StageInputs& in) {
     for (const EvidenceData& row : layers->decided) rows.push_back({row.part, row.kept, row.reason});
     in.value("decided", rows);
     in.value("polish", polishInputs(after->settings));
-    DPL_CHECK_OK(in.use<MappedBody>());
-    DPL_CHECK_OK(in.use<AssembledAvatar>());
+    DPL_RETURN_IF_ERROR(in.use<MappedBody>());
+    DPL_RETURN_IF_ERROR(in.use<AssembledAvatar>());
     return in.use<MeasuredParts>();
 }
 

@@ -36,8 +36,8 @@ Status StageOf<FoundPoses>::inputs(StageInputs& in) {
     in.value("scan", table->scanHash);
     in.value("untrained", untrainedInputs(*table));
     in.value("settings", fieldsJson(after->settings.poseFit));
-    DPL_CHECK_OK(in.use<RegisteredPoses>());
-    DPL_CHECK_OK(in.use<Training>());
+    DPL_RETURN_IF_ERROR(in.use<RegisteredPoses>());
+    DPL_RETURN_IF_ERROR(in.use<Training>());
     return in.use<Package>();
 }
 

@@ -50,7 +50,7 @@ Status StageOf<RegisteredPoses>::inputs(StageInputs& in) {
     DPL_TRY([[maybe_unused]] const MetricCameras* cameras, in.part<MetricCameras>());
     in.value("training", table->trainingHash);
     in.value("settings", fieldsJson(RegisterSettings()));
-    DPL_CHECK_OK(in.use<FittedBody>());
+    DPL_RETURN_IF_ERROR(in.use<FittedBody>());
     return in.use<FittedSurface>();
 }
 
@@ -101,7 +101,7 @@ Status StageOf<RegisteredPoses>::make(StageInputs& in, StageContext& context) {
         const ScanFrame& frame = scan.frames[f];
         file.frames.push_back({frame.name, frameKindName(frame.kind), splitName(frame.split), registration.poses[f], std::nullopt});
     }
-    DPL_CHECK_OK(writePrecisions(registration.precisions, context.folder / "precisions.bin"));
+    DPL_RETURN_IF_ERROR(writePrecisions(registration.precisions, context.folder / "precisions.bin"));
     return writeFileAtomically(context.folder / "poses.json", posesToJson(file));
 }
 

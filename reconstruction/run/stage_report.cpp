@@ -22,7 +22,7 @@
 #include "reconstruction/run/stage_package.h"
 #include "reconstruction/run/stage_pose_fit.h"
 #include "reconstruction/subject/body/body_truth.h"
-#include "reconstruction/training/correctives/pose_stress.h"
+#include "reconstruction/training/correctives/corrective_strain.h"
 #include "sdk/avatar/posed_mesh.h"
 #include "sdk/core/files.h"
 #include "sdk/format/avatar_file.h"
@@ -160,7 +160,7 @@ Status StageOf<ReportFiles>::inputs(StageInputs& in) {
     in.value("labels", scoredLabels(*table));
     in.value("verdict", table->verdict + table->validation);
     in.value("measuring", measuringFiles(table->scan.root));
-    DPL_CHECK_OK(in.use<MappedBody>());
+    DPL_RETURN_IF_ERROR(in.use<MappedBody>());
     return in.use<FoundPoses>();
 }
 
@@ -202,8 +202,8 @@ Status StageOf<ReportFiles>::make(StageInputs& in, StageContext& context) {
     DPL_TRY(const FrameSet validation, table->frames(Split::Validation, metric->cameras, body->poses.poses));
     DPL_TRY(data.validation, scoreFrames(labelColours, validation, avatar, view, found->poses, false, in.jobs(), tell));
     DPL_TRY(data.ladder, measureLadder({table->scan, metric->cameras, avatar, found->poses, tell}, in.jobs()));
-    DPL_CHECK_OK(addScaleFigures(table->scan.root, context.progress, view, heldOut, found->poses, data));
-    DPL_CHECK_OK(addDetailFigures(table->scan, context.progress, view, heldOut, found->poses, data));
+    DPL_RETURN_IF_ERROR(addScaleFigures(table->scan.root, context.progress, view, heldOut, found->poses, data));
+    DPL_RETURN_IF_ERROR(addDetailFigures(table->scan, context.progress, view, heldOut, found->poses, data));
     for (const StageRecord& s : in.records()) data.stages.push_back({s.name, s.seconds, s.peakBytes, s.reused});
     PlotSeries loss{"total", {}, {}}, psnr{"masked", {}, {}};
     for (const CurvePoint& p : training->result.curve) {
@@ -219,7 +219,7 @@ Status StageOf<ReportFiles>::make(StageInputs& in, StageContext& context) {
     data.figures.push_back({speed, "pixel-splat pairs", "a step", profile.pairs});
     data.figures.push_back({speed, "forward", "ns a pair", profile.forwardNsPerPair});
     data.figures.push_back({speed, "backward", "ns a pair", profile.backwardNsPerPair});
-    if (const PoseStress stress = poseStress(avatar, in.jobs()); stress.offsetMm > 0) {
+    if (const CorrectiveStrain stress = correctiveStrain(avatar, in.jobs()); stress.offsetMm > 0) {
         const std::string strange = "pose correctives on 64 random poses that nobody trained, 99th percentiles";
         data.figures.push_back({strange, "offset", "mm", stress.offsetMm});
         data.figures.push_back({strange, "strain of an edge", "%", stress.strainPercent});
@@ -231,7 +231,7 @@ Status StageOf<ReportFiles>::make(StageInputs& in, StageContext& context) {
     addWaterfall(data);
     addGarments(data);
     data.evidence = avatar.evidence;
-    DPL_CHECK_OK(writeFileAtomically(context.folder / "summary.txt", summaryOf(data, avatar.splats.count(), package->bytes.size())));
+    DPL_RETURN_IF_ERROR(writeFileAtomically(context.folder / "summary.txt", summaryOf(data, avatar.splats.count(), package->bytes.size())));
     return writeReport(data, context.folder);
 }
 

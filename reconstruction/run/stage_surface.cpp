@@ -64,8 +64,8 @@ Status StageOf<FittedSurface>::make(StageInputs& in, StageContext& context) {
                                  {"mean_iou_after", surface.meanIouAfter},
                                  {"mean_offset_m", surface.meanOffsetM},
                                  {"largest_offset_m", surface.largestOffsetM}};
-    DPL_CHECK_OK(writeFileAtomically(context.folder / "surface.json", info.dump(1)));
-    DPL_CHECK_OK(writeFileAtomically(context.folder / "sway.bin", bytesOf(surface.viewTranslationsM)));
+    DPL_RETURN_IF_ERROR(writeFileAtomically(context.folder / "surface.json", info.dump(1)));
+    DPL_RETURN_IF_ERROR(writeFileAtomically(context.folder / "sway.bin", bytesOf(surface.viewTranslationsM)));
     return writeFileAtomically(context.folder / "offsets.bin", bytesOf(surface.restOffsets));
 }
 

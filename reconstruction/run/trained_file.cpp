@@ -21,24 +21,24 @@ Status readBody(Reader& in, CoOptimiseResult& r) {
     DPL_TRY(uint32_t magic, in.u32());
     DPL_TRY(uint32_t version, in.u32());
     if (magic != kMagic || version != kVersion) return fail(Code::Version, "not a trained file of version {}", kVersion);
-    DPL_CHECK_OK(getArray(in, r.splats.triangleStart));
-    DPL_CHECK_OK(getArray(in, r.splats.uv));
-    DPL_CHECK_OK(getArray(in, r.splats.phi));
-    DPL_CHECK_OK(getArray(in, r.splats.scaleM));
-    DPL_CHECK_OK(getArray(in, r.splats.opacity));
-    DPL_CHECK_OK(getArray(in, r.splats.flags));
+    DPL_RETURN_IF_ERROR(getArray(in, r.splats.triangleStart));
+    DPL_RETURN_IF_ERROR(getArray(in, r.splats.uv));
+    DPL_RETURN_IF_ERROR(getArray(in, r.splats.phi));
+    DPL_RETURN_IF_ERROR(getArray(in, r.splats.scaleM));
+    DPL_RETURN_IF_ERROR(getArray(in, r.splats.opacity));
+    DPL_RETURN_IF_ERROR(getArray(in, r.splats.flags));
     DPL_TRY(r.splats.shDegree, in.u32());
-    DPL_CHECK_OK(getArray(in, r.splats.sh));
-    DPL_CHECK_OK(getArray(in, r.restPositions));
-    DPL_CHECK_OK(getCorrectives(in, r.correctives));
+    DPL_RETURN_IF_ERROR(getArray(in, r.splats.sh));
+    DPL_RETURN_IF_ERROR(getArray(in, r.restPositions));
+    DPL_RETURN_IF_ERROR(getCorrectives(in, r.correctives));
     DPL_TRY(uint32_t poseCount, in.u32());
     for (uint32_t i = 0; i < poseCount; ++i) {
         Pose pose;
-        DPL_CHECK_OK(getArray(in, pose.localRotations));
+        DPL_RETURN_IF_ERROR(getArray(in, pose.localRotations));
         DPL_TRY(pose.rootTranslation, in.value<Vec3f>());
         r.poses.push_back(std::move(pose));
     }
-    DPL_CHECK_OK(getArray(in, r.curve));
+    DPL_RETURN_IF_ERROR(getArray(in, r.curve));
     DPL_TRY(r.profile, in.value<StepProfile>());
     DPL_TRY(r.framesUsed, in.u32());
     return {};

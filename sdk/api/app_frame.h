@@ -55,21 +55,21 @@ Status preparePictures(Scene& scene, Side& side, uint32_t slot, std::span<const 
     AppCommands commands;
     const auto encodeScene = [&](BufferId to, uint32_t firstView, uint32_t count) -> Status {
         for (uint32_t v = 0; v < count; ++v) {
-            DPL_CHECK_OK(
+            DPL_RETURN_IF_ERROR(
                 side.backend.readScene(slot, firstView + v, v, first.widthPx, first.heightPx, depths[firstView + v], to, commands));
         }
         return {};
     };
-    DPL_CHECK_OK(side.backend.takeSlot(slot));
-    DPL_CHECK_OK(checkUsable(*scene.context));  // the slot may have told that the device was lost
+    DPL_RETURN_IF_ERROR(side.backend.takeSlot(slot));
+    DPL_RETURN_IF_ERROR(checkUsable(*scene.context));  // the slot may have told that the device was lost
     const Status recorded = [&]() -> Status {
         DPL_TRY(commands, recording.begin());
-        DPL_CHECK_OK(side.backend.encodeCopies(slot, commands, /*endsSlot=*/false));
-        DPL_CHECK_OK(encodePictures(scene, side, wants, {slot, commands, encodeScene}));
+        DPL_RETURN_IF_ERROR(side.backend.encodeCopies(slot, commands, /*endsSlot=*/false));
+        DPL_RETURN_IF_ERROR(encodePictures(scene, side, wants, {slot, commands, encodeScene}));
         return recording.end();
     }();
     if (!recorded) {
-        DPL_CHECK_OK(side.backend.dropSlot(slot));  // what was recorded need not be submitted
+        DPL_RETURN_IF_ERROR(side.backend.dropSlot(slot));  // what was recorded need not be submitted
     }
     return recorded;
 }

@@ -109,7 +109,7 @@ DplResult dplSetPose(DplAvatar avatar, const float* rotations, uint32_t jointCou
     return guarded("dplSetPose", [&]() -> Status {
         if (rotations == nullptr) return fail(Code::InvalidArgument, "rotations is NULL");
         DPL_TRY(const auto found, avatarOf(avatar));
-        DPL_CHECK_OK(checkPosable(*found));
+        DPL_RETURN_IF_ERROR(checkPosable(*found));
         if (jointCount != found->data->joints.size()) return wrongJointCount(*found, jointCount);
         std::lock_guard lock(found->context->mutex);
         Pose& pose = found->givenPose;  // reused, because apps set a pose every frame; found->pose stays unless all checks pass
@@ -119,7 +119,7 @@ DplResult dplSetPose(DplAvatar avatar, const float* rotations, uint32_t jointCou
             pose.localRotations[j] = Quatf(q[3], q[0], q[1], q[2]);
         }
         pose.rootTranslation = rootTranslation != nullptr ? Vec3f(rootTranslation[0], rootTranslation[1], rootTranslation[2]) : Vec3f(0);
-        DPL_CHECK_OK(checkPose(found->data->joints, pose));
+        DPL_RETURN_IF_ERROR(checkPose(found->data->joints, pose));
         for (Quatf& q : pose.localRotations) q = glm::normalize(q);
         std::swap(found->pose, pose);
         return {};
@@ -144,9 +144,9 @@ DplResult dplGetPose(DplAvatar avatar, float* rotations, uint32_t jointCount, fl
 DplResult dplGetPoseTrust(DplAvatar avatar, DplPoseTrust* trust, float* distances, uint32_t jointCount) {
     return guarded("dplGetPoseTrust", [&]() -> Status {
         DPL_TRY(const auto found, avatarOf(avatar));
-        DPL_CHECK_OK(checkPosable(*found));
+        DPL_RETURN_IF_ERROR(checkPosable(*found));
         if (distances != nullptr && jointCount != found->data->joints.size()) return wrongJointCount(*found, jointCount);
-        DPL_CHECK_OK(checkTrained(*found));
+        DPL_RETURN_IF_ERROR(checkTrained(*found));
         std::lock_guard lock(found->context->mutex);
         poseTrust(found->data->correctives, found->pose, found->trust);
         const std::vector<float>& away = found->trust.joints;
@@ -156,7 +156,7 @@ DplResult dplGetPoseTrust(DplAvatar avatar, DplPoseTrust* trust, float* distance
         out.offModes = found->trust.offModes;
         out.farthestJoint = uint32_t(std::max_element(away.begin(), away.end()) - away.begin());
         out.farthestDistance = away[out.farthestJoint];
-        DPL_CHECK_OK(writeStruct(trust, out, "trust"));
+        DPL_RETURN_IF_ERROR(writeStruct(trust, out, "trust"));
         if (distances != nullptr) std::copy(away.begin(), away.end(), distances);
         return {};
     });
@@ -166,8 +166,8 @@ DplResult dplHoldPose(DplAvatar avatar, float limit) {
     return guarded("dplHoldPose", [&]() -> Status {
         if (!std::isfinite(limit) || !(limit > 0)) return fail(Code::InvalidArgument, "limit is {}; it must be above 0 and finite", limit);
         DPL_TRY(const auto found, avatarOf(avatar));
-        DPL_CHECK_OK(checkPosable(*found));
-        DPL_CHECK_OK(checkTrained(*found));
+        DPL_RETURN_IF_ERROR(checkPosable(*found));
+        DPL_RETURN_IF_ERROR(checkTrained(*found));
         std::lock_guard lock(found->context->mutex);
         holdPose(found->data->correctives, limit, found->pose);
         return {};

@@ -38,7 +38,7 @@ DplResult dplSetPoseFromClip(DplAvatar avatar, uint32_t clip, double timeS, int 
     return guarded("dplSetPoseFromClip", [&]() -> Status {
         if (!std::isfinite(timeS)) return fail(Code::InvalidArgument, "timeS is not finite");
         DPL_TRY(const auto found, avatarOf(avatar));
-        DPL_CHECK_OK(checkPosable(*found));
+        DPL_RETURN_IF_ERROR(checkPosable(*found));
         std::lock_guard lock(found->context->mutex);
         DPL_TRY(const ClipData* data, clipOf(*found, clip));
         const double duration = clipDurationS(*data);
@@ -59,7 +59,7 @@ DplResult dplLoadClip(DplAvatar avatar, const uint8_t* data, size_t size, const 
             if (wanted.flags & ~kKnown) return fail(Code::InvalidArgument, "options has unknown flags {}", wanted.flags & ~kKnown);
         }
         DPL_TRY(const auto found, avatarOf(avatar));
-        DPL_CHECK_OK(checkPosable(*found));
+        DPL_RETURN_IF_ERROR(checkPosable(*found));
         RetargetOptions how;
         how.keepLeadIn = (wanted.flags & DPL_CLIP_KEEP_LEAD_IN) != 0;
         how.keepPlace = (wanted.flags & DPL_CLIP_KEEP_PLACE) != 0;
@@ -70,7 +70,7 @@ DplResult dplLoadClip(DplAvatar avatar, const uint8_t* data, size_t size, const 
         how.body = &body;
         DPL_TRY(const Motion motion, readMotion({data, size}, wanted.name ? wanted.name : "the clip", wanted.animation));
         DPL_TRY(ClipData made, retarget(motion, found->data->joints, how));  // outside the lock: the rig never changes
-        DPL_CHECK_OK(checkClip(made, found->data->joints));
+        DPL_RETURN_IF_ERROR(checkClip(made, found->data->joints));
         std::lock_guard lock(found->context->mutex);
         if (wanted.name)
             made.name = wanted.name;

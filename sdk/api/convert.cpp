@@ -79,7 +79,7 @@ Status cameraLookAt(const float* eye, const float* target, const float* up, floa
     DPL_TRY(const Vec3d from, vectorOf(eye, "eye"));
     DPL_TRY(const Vec3d to, vectorOf(target, "target"));
     DPL_TRY(const Vec3d above, vectorOf(up, "up"));
-    DPL_CHECK_OK(checkSize(widthPx, heightPx));
+    DPL_RETURN_IF_ERROR(checkSize(widthPx, heightPx));
     if (!(fovYRad > 0 && fovYRad <= 2 * kMaxAngleRad))
         return fail(Code::InvalidArgument, "fovYRad is {}; radians above 0 and up to {} (179.8 degrees) are possible", fovYRad,
                     2 * kMaxAngleRad);
@@ -107,7 +107,7 @@ Status cameraLookAt(const float* eye, const float* target, const float* up, floa
 Status cameraFromAngles(const float* orientation, const float* position, const float* anglesRad, uint32_t widthPx, uint32_t heightPx,
                         DplCamera* camera) {
     if (!anglesRad) return fail(Code::InvalidArgument, "anglesRad is NULL");
-    DPL_CHECK_OK(checkSize(widthPx, heightPx));
+    DPL_RETURN_IF_ERROR(checkSize(widthPx, heightPx));
     for (int i = 0; i < 4; ++i)
         if (!(std::abs(anglesRad[i]) <= kMaxAngleRad))
             return fail(Code::InvalidArgument, "an edge of the view is {} rad from its axis; 89.9 degrees are possible", anglesRad[i]);
@@ -124,7 +124,7 @@ Status cameraFromAngles(const float* orientation, const float* position, const f
 Status cameraFromProjection(const float* orientation, const float* position, const float* projection, DplClipDepth clipDepth,
                             uint32_t widthPx, uint32_t heightPx, DplCamera* camera, float* depth) {
     if (!projection) return fail(Code::InvalidArgument, "projection is NULL");
-    DPL_CHECK_OK(checkSize(widthPx, heightPx));
+    DPL_RETURN_IF_ERROR(checkSize(widthPx, heightPx));
     if (clipDepth != DPL_CLIP_DEPTH_ZERO_TO_ONE && clipDepth != DPL_CLIP_DEPTH_MINUS_ONE_TO_ONE)
         return fail(Code::InvalidArgument, "there is no clip depth {}", int(clipDepth));
     const auto at = [&](int row, int column) { return double(projection[4 * column + row]); };
@@ -142,7 +142,7 @@ Status cameraFromProjection(const float* orientation, const float* position, con
     lens.fx = 0.5 * widthPx * at(0, 0) / w, lens.cx = 0.5 * widthPx * (1 + forward * at(0, 2) / w);
     lens.fy = 0.5 * heightPx * std::abs(at(1, 1)) / w, lens.cy = 0.5 * heightPx * (1 - clipUp * forward * at(1, 2) / w);
     DPL_TRY(const Eye eye, eyeOf(orientation, position));
-    DPL_CHECK_OK(writeCamera(eye, lens, widthPx, heightPx, camera));
+    DPL_RETURN_IF_ERROR(writeCamera(eye, lens, widthPx, heightPx, camera));
     if (depth) {
         const double scale = forward * at(2, 2) / w, offset = at(2, 3) / w;
         const bool zeroToOne = clipDepth == DPL_CLIP_DEPTH_ZERO_TO_ONE;

@@ -30,7 +30,7 @@ namespace {
 const auto softwarePicture = [](const FillScene& scene) -> Result<std::vector<uint8_t>> {
     const std::unique_ptr<Renderer> software = createSoftwareRenderer(1);
     DPL_TRY(const RenderAvatarId id, software->addSplats(scene.splats));
-    DPL_CHECK_OK(software->draw(id, {}, {&scene.camera, 1}, false));
+    DPL_RETURN_IF_ERROR(software->draw(id, {}, {&scene.camera, 1}, false));
     DPL_TRY(const std::span<const PixelView> views, software->read(id));
     return std::vector<uint8_t>(views[0].rgba.begin(), views[0].rgba.end());
 };
@@ -74,7 +74,7 @@ Result<std::unique_ptr<Renderer>> openMetal() {
 Result<std::unique_ptr<Renderer>> createGpuRenderer(DplRenderer kind, const RendererOptions& options) {
     const bool metal = kind == DPL_RENDERER_METAL || (kind == DPL_RENDERER_AUTO && DOPPEL_METAL);
     DPL_TRY(auto gpu, metal ? openMetal() : openVulkan(kind));
-    DPL_CHECK_OK(setFill(*gpu, options));
+    DPL_RETURN_IF_ERROR(setFill(*gpu, options));
     return gpu;
 }
 #endif

@@ -14,8 +14,8 @@ namespace {
 
 /** Makes the checks that posing and queries need and that the file reader does not make. */
 Status checkLoaded(const AvatarData& data) {
-    DPL_CHECK_OK(checkRig(data.joints));
-    for (const ClipData& clip : data.clips) DPL_CHECK_OK(checkClip(clip, data.joints));
+    DPL_RETURN_IF_ERROR(checkRig(data.joints));
+    for (const ClipData& clip : data.clips) DPL_RETURN_IF_ERROR(checkClip(clip, data.joints));
     return {};
 }
 
@@ -26,7 +26,7 @@ Result<Decoded> decodeAvatar(std::span<const uint8_t> bytes) {
     DPL_TRY(CodedAvatar coded, readCodedAvatar(bytes));
     AvatarData& decoded = coded.avatar;
     decoded.mesh.colours = {};  // only other glTF viewers use them
-    DPL_CHECK_OK(checkLoaded(decoded));
+    DPL_RETURN_IF_ERROR(checkLoaded(decoded));
     if (std::all_of(decoded.joints.begin(), decoded.joints.end(), [](const JointData& j) { return j.humanoidBone.empty(); }))
         assignHumanoidBones(decoded.joints);
     auto made = std::make_shared<Avatar>();
@@ -52,7 +52,7 @@ Result<Decoded> decodeGeneralSplats(std::span<const uint8_t> bytes) {
     named.name = nameOf(file.format);
     made->data = std::make_shared<const AvatarData>(std::move(named));
     made->fileSplatCount = file.splats.count(), made->fileShDegree = file.splats.shDegree;
-    DPL_CHECK_OK(taskAt(0.9));
+    DPL_RETURN_IF_ERROR(taskAt(0.9));
     const SplatBox box = boxOf(file.splats);
     made->restMin = box.low, made->restMax = box.high;
     return Decoded{std::move(made), {}, std::move(file.splats)};

@@ -36,7 +36,7 @@ Result<std::unique_ptr<PreparedSubject>> prepare(const Renderer& renderer, Decod
     return renderer.prepareAvatar(avatar.data, std::move(splats));
 }
 
-bool hastens(Load& load) {
+bool callerWaits(Load& load) {
     const std::lock_guard lock(load.mutex);
     return load.finishing;
 }
@@ -47,16 +47,17 @@ void pause(Load& load, std::chrono::milliseconds time) {
     load.changed.wait_for(lock, time, [&] { return load.finishing || load.task.cancelled(); });
 }
 
-/** The renderer of the context, which `keeps` keeps. A load in haste gets the error of a lost device; another one waits for a new one. */
+/** The renderer of the context, which `keeps` keeps. A load for which the caller waits gets the error of a lost device; another one waits
+ * for a new one. */
 Result<std::shared_ptr<Renderer>> rendererFor(Load& load, std::shared_lock<std::shared_mutex>& keeps) {
     Context& context = *load.context;
     while (true) {
-        DPL_CHECK_OK(taskAt(0));
+        DPL_RETURN_IF_ERROR(taskAt(0));
         {
             const std::lock_guard lock(context.mutex);
             const Status usable = checkUsable(context);
             if (usable) return context.renderer;
-            if (usable.error().code != Code::Device || hastens(load)) return usable.error();
+            if (usable.error().code != Code::Device || callerWaits(load)) return usable.error();
         }
         keeps.unlock();
         pause(load, kLostPause);
@@ -74,13 +75,13 @@ Status upload(Load& load, RenderAvatarId id, std::shared_lock<std::shared_mutex>
         double share = 0;
         {
             const std::lock_guard lock(context.mutex);
-            if (hastens(load)) return renderer->finishUpload(id);
+            if (callerWaits(load)) return renderer->finishUpload(id);
             const auto continued = renderer->continueUpload(id, slice);
             if (!continued && continued.error().code != Code::Device) return continued.error();
             if (continued) share = *continued;
         }
         if (share == 1) return {};
-        DPL_CHECK_OK(taskAt(share));
+        DPL_RETURN_IF_ERROR(taskAt(share));
         if (!slice.from.empty()) {
             std::memcpy(slice.to.data(), slice.from.data(), slice.from.size());
             continue;
@@ -140,7 +141,7 @@ Status place(Load& load, Decoded& decoded, const Leanness& lean, Memory& memory,
 
 Result<std::shared_ptr<Avatar>> loadFile(Load& load) {
     setState(load, LoadState::Decoding);
-    DPL_CHECK_OK(taskAt(0));
+    DPL_RETURN_IF_ERROR(taskAt(0));
     Decoded decoded;
     {
         const TaskPart part(0, kDecoded);
@@ -156,7 +157,7 @@ Result<std::shared_ptr<Avatar>> loadFile(Load& load) {
         const Status placed = place(load, decoded, search.lean(), memory, keeps);
         if (placed) break;
         const Error& error = placed.error();
-        if (error.code == Code::Device && !hastens(load)) continue;  // it waits for another device
+        if (error.code == Code::Device && !callerWaits(load)) continue;  // it waits for another device
         if (error.code != Code::OutOfMemory || memory.needs == 0) return error;
         if (!search.lower(memory.needs, memory.room))
             return fail(
@@ -183,7 +184,7 @@ Result<std::shared_ptr<Avatar>> loadFileCaught(Load& load) noexcept {
 }
 
 /** The error for whoever asks for the result, who did not cancel it. Has no text if there is no memory for one. */
-Error toldAs(const Error& error) noexcept {
+Error errorForCaller(const Error& error) noexcept {
     const bool cancelled = error.code == Code::Cancelled;
     try {
         return cancelled ? fail(Code::InvalidArgument, "the context was destroyed while the avatar was read") : error;
@@ -204,7 +205,7 @@ void runLoad(Load& load) noexcept {
         load.avatar = std::move(*loaded);
         load.state = LoadState::Ready;
     } else {
-        load.error = toldAs(loaded.error());
+        load.error = errorForCaller(loaded.error());
         load.state = LoadState::Failed;
     }
     load.changed.notify_all();
@@ -338,7 +339,7 @@ using namespace dpl::api;
 
 extern "C" DplResult dplLoadAvatar(DplContext context, const uint8_t* data, size_t size, DplAvatar* avatar) {
     return guarded("dplLoadAvatar", [&]() -> Status {
-        DPL_CHECK_OK(checkBytes(data, size));
+        DPL_RETURN_IF_ERROR(checkBytes(data, size));
         if (avatar == nullptr) return fail(Code::InvalidArgument, "avatar is NULL");
         DPL_TRY(auto found, contextOf(context));
         DPL_TRY(*avatar, loadNow(std::move(found), {data, size}, nullptr, nullptr));
@@ -365,7 +366,7 @@ extern "C" DplResult dplStartLoad(DplContext context, const DplLoadInfo* info, D
     return guarded("dplStartLoad", [&]() -> Status {
         if (load == nullptr) return fail(Code::InvalidArgument, "load is NULL");
         DPL_TRY(const DplLoadInfo given, readStruct<DplLoadInfo>(info, "info"));
-        DPL_CHECK_OK(checkBytes(given.data, given.size));
+        DPL_RETURN_IF_ERROR(checkBytes(given.data, given.size));
         const auto made = std::make_shared<Load>();
         DPL_TRY(made->context, contextOf(context));
         made->bytes = {given.data, given.size};

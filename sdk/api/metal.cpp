@@ -20,7 +20,7 @@ static_assert(DPL_METAL_SLOTS == kAppSlots && DPL_METAL_DEPTH_COVERAGE == gpu::k
 
 /** The Metal side of a context whose mutex is locked. */
 Result<MetalSide*> sideOf(const Context& context) {
-    DPL_CHECK_OK(checkUsable(context));
+    DPL_RETURN_IF_ERROR(checkUsable(context));
     if (!context.metal)
         return fail(Code::InvalidArgument, "the context is not on the program's Metal device; make it with dplCreateMetalContext");
     return context.metal.get();
@@ -37,7 +37,7 @@ Result<NewRenderer> lentRenderer(const DplMetalDevice& given, const RendererOpti
     mtl::MetalBackend& lent = *backend;
     std::string name = "metal: " + lent.info().name;
     auto renderer = std::make_unique<GpuRenderer>(std::move(backend), std::move(name), GpuOptions{.preciseBlending = true});
-    DPL_CHECK_OK(setFill(*renderer, options));
+    DPL_RETURN_IF_ERROR(setFill(*renderer, options));
     auto side = std::make_shared<MetalSide>(MetalSide{*renderer, lent});
     return NewRenderer{std::move(renderer), std::move(side)};
 }
@@ -60,7 +60,7 @@ Result<NewRenderer> rebuilt(const Context& context, const DplMetalDevice* device
     } else {
         DPL_TRY(made.renderer, createGpuRenderer(context.request.kind, context.request.options));
     }
-    DPL_CHECK_OK(made.renderer->addAll(*context.renderer));
+    DPL_RETURN_IF_ERROR(made.renderer->addAll(*context.renderer));
     return made;
 }
 
@@ -79,9 +79,9 @@ Status takeDepths(const mtl::MetalBackend& backend, const DplMetalSceneDepth* de
     for (uint32_t v = 0; v < viewCount; ++v) {
         DPL_TRY(const DplMetalSceneDepth given, element(depths, v, "depths"));
         if (!given.texture) return fail(Code::InvalidArgument, "depth {} has no texture", v);
-        DPL_CHECK_OK(checkProjection(given.scale, given.offset));
+        DPL_RETURN_IF_ERROR(checkProjection(given.scale, given.offset));
         textures[v] = {{given.texture}, given.slice, given.x, given.y, given.scale, given.offset};
-        DPL_CHECK_OK(backend.checkScene(v, textures[v]));
+        DPL_RETURN_IF_ERROR(backend.checkScene(v, textures[v]));
     }
     return {};
 }
@@ -91,10 +91,10 @@ Status prepare(DplContext context, uint32_t slot, std::span<const DplAvatar> ava
                FunctionRef<Status(mtl::MetalBackend&)> end) {
     DPL_TRY(Scene scene, sceneOf(context, avatars, viewCount));
     DPL_TRY(MetalSide * side, sideOf(*scene.context));
-    DPL_CHECK_OK(takeViews(scene, views, viewCount));
+    DPL_RETURN_IF_ERROR(takeViews(scene, views, viewCount));
     mtl::SceneTexture textures[DPL_MAX_VIEWS];
     if (depths) {
-        DPL_CHECK_OK(takeDepths(side->backend, depths, viewCount, textures));
+        DPL_RETURN_IF_ERROR(takeDepths(side->backend, depths, viewCount, textures));
     }
     return preparePictures(scene, *side, slot, std::span<const mtl::SceneTexture>(textures, depths ? viewCount : 0),
                            {[&] { return begin(side->backend); }, [&] { return end(side->backend); }});
@@ -206,7 +206,7 @@ extern "C" DplResult dplMetalSubmit(DplContext context, uint32_t composer, uint3
 extern "C" DplResult dplMetalUpload(DplContext context, void* commands, uint32_t slot) {
     return withSide("dplMetalUpload", context, [&](mtl::MetalBackend& backend) -> Status {
         if (!commands) return fail(Code::InvalidArgument, "commands is NULL");
-        DPL_CHECK_OK(backend.takeSlot(slot));
+        DPL_RETURN_IF_ERROR(backend.takeSlot(slot));
         return backend.encodeCopies(slot, {commands}, /*endsSlot=*/true);
     });
 }
@@ -227,7 +227,7 @@ extern "C" DplResult dplMetalComposeDepth(DplContext context, uint32_t composer,
                                           int32_t y, float scale, float offset) {
     return withSide("dplMetalComposeDepth", context, [&](mtl::MetalBackend& backend) -> Status {
         if (!encoder) return fail(Code::InvalidArgument, "encoder is NULL");
-        DPL_CHECK_OK(checkProjection(scale, offset));
+        DPL_RETURN_IF_ERROR(checkProjection(scale, offset));
         return backend.composeDepth({composer}, slot, view, x, y, scale, offset, {encoder});
     });
 }

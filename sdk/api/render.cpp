@@ -73,7 +73,7 @@ Status takeImages(const DplImage* images, uint32_t viewCount, size_t widthPx, si
     wants = {};
     for (uint32_t v = 0; v < viewCount; ++v) {
         DPL_TRY(targets[v], element(images, v, "images", offsetof(DplImage, format)));
-        DPL_CHECK_OK(checkImage(targets[v], widthPx, heightPx, v));
+        DPL_RETURN_IF_ERROR(checkImage(targets[v], widthPx, heightPx, v));
         wants.depth |= targets[v].depthM != nullptr;
         wants.meshDepth |= targets[v].meshDepthM != nullptr;
     }
@@ -87,7 +87,7 @@ Status drawTaken(Scene& s, FrameWants wants) {
     a.drawnViews = 0;
     Drawn what[DPL_MAX_TOGETHER];
     setDetailOfDraw(*s.context, a);
-    DPL_CHECK_OK(s.context->renderer->drawTogether(s.drawn(what), cameras, wants));
+    DPL_RETURN_IF_ERROR(s.context->renderer->drawTogether(s.drawn(what), cameras, wants));
     a.drawnViews = uint32_t(cameras.size()), a.drawnWidthPx = cameras[0].widthPx, a.drawnHeightPx = cameras[0].heightPx;
     a.drawnDepth = wants.depth, a.drawnMeshDepth = wants.meshDepth;
     return {};
@@ -101,19 +101,19 @@ Status readInto(Scene& s, const DplImage* targets) {
 
 Status render(DplContext context, std::span<const DplAvatar> avatars, const DplCamera* views, uint32_t viewCount, const DplImage* images) {
     DPL_TRY(Scene scene, sceneOf(context, avatars, viewCount));
-    DPL_CHECK_OK(takeViews(scene, views, viewCount));
+    DPL_RETURN_IF_ERROR(takeViews(scene, views, viewCount));
     DplImage targets[DPL_MAX_VIEWS];
     FrameWants wants;
     const Cameraf& first = scene.context->cameras[0];
-    DPL_CHECK_OK(takeImages(images, viewCount, first.widthPx, first.heightPx, targets, wants));
-    DPL_CHECK_OK(drawTaken(scene, wants));
+    DPL_RETURN_IF_ERROR(takeImages(images, viewCount, first.widthPx, first.heightPx, targets, wants));
+    DPL_RETURN_IF_ERROR(drawTaken(scene, wants));
     return readInto(scene, targets);
 }
 
 Status draw(DplContext context, std::span<const DplAvatar> avatars, const DplCamera* views, uint32_t viewCount, uint32_t flags) {
     if (flags & ~uint32_t(DPL_DRAW_DEPTH | DPL_DRAW_MESH_DEPTH)) return fail(Code::InvalidArgument, "unknown flags {}", flags);
     DPL_TRY(Scene scene, sceneOf(context, avatars, viewCount));
-    DPL_CHECK_OK(takeViews(scene, views, viewCount));
+    DPL_RETURN_IF_ERROR(takeViews(scene, views, viewCount));
     FrameWants wants;
     wants.depth = (flags & DPL_DRAW_DEPTH) != 0;
     wants.meshDepth = (flags & DPL_DRAW_MESH_DEPTH) != 0;
@@ -155,7 +155,7 @@ extern "C" DplResult dplReadImages(DplContext context, DplAvatar avatar, const D
             return fail(Code::InvalidArgument, "viewCount is {}, but the frame has {} views", viewCount, a.drawnViews);
         DplImage targets[DPL_MAX_VIEWS];
         FrameWants wants;
-        DPL_CHECK_OK(takeImages(images, viewCount, a.drawnWidthPx, a.drawnHeightPx, targets, wants));
+        DPL_RETURN_IF_ERROR(takeImages(images, viewCount, a.drawnWidthPx, a.drawnHeightPx, targets, wants));
         if (wants.meshDepth && !a.drawnMeshDepth)
             return fail(Code::InvalidArgument, "depth of the mesh was not drawn; give dplDraw the flag DPL_DRAW_MESH_DEPTH");
         if (wants.depth && !a.drawnDepth) return fail(Code::InvalidArgument, "depth was not drawn; give dplDraw the flag DPL_DRAW_DEPTH");

@@ -39,7 +39,7 @@ Result<Scene> sceneOf(DplContext context, std::span<const DplAvatar> handles, ui
         ++s.count;
     }
     s.lock = std::unique_lock(s.context->mutex);
-    DPL_CHECK_OK(checkUsable(*s.context));
+    DPL_RETURN_IF_ERROR(checkUsable(*s.context));
     return s;
 }
 

@@ -69,7 +69,7 @@ DplResult dplCreateTracker(DplAvatar avatar, const DplTrackerInfo* info, DplTrac
         if (wanted.restCount != 0 && (wanted.restRotations == nullptr || wanted.restPositions == nullptr))
             return fail(Code::InvalidArgument, "restRotations or restPositions is NULL, restCount is {}", wanted.restCount);
         DPL_TRY(const auto found, avatarOf(avatar));
-        DPL_CHECK_OK(checkPosable(*found));
+        DPL_RETURN_IF_ERROR(checkPosable(*found));
         TrackFrame rest;
         if (wanted.restCount != 0)
             rest.rotations = floats(wanted.restRotations, 4 * size_t(wanted.restCount)),
@@ -117,7 +117,7 @@ DplResult dplTrackFrame(DplTracker tracker, const DplTrackFrame* frame) {
 DplResult dplSetPoseFromTracker(DplTracker tracker, int64_t displayTimeNs, DplTrackerStatus* status) {
     return guarded("dplSetPoseFromTracker", [&]() -> Status {
         DPL_TRY(const auto slot, trackerOf(tracker));
-        if (status != nullptr) DPL_CHECK_OK(readStruct<DplTrackerStatus>(status, "status"));
+        if (status != nullptr) DPL_RETURN_IF_ERROR(readStruct<DplTrackerStatus>(status, "status"));
         DPL_TRY(const auto found, avatarOf(slot->avatar));
         std::lock_guard lock(slot->mutex);
         std::lock_guard contextLock(found->context->mutex);
@@ -126,7 +126,7 @@ DplResult dplSetPoseFromTracker(DplTracker tracker, int64_t displayTimeNs, DplTr
         else
             slot->pose.localRotations.assign(found->data->joints.size(), Quatf(1, 0, 0, 0)), slot->pose.rootTranslation = Vec3f(0);
         slot->tracker->pose(displayTimeNs, !slot->overPose, slot->pose);
-        DPL_CHECK_OK(checkPose(found->data->joints, slot->pose));
+        DPL_RETURN_IF_ERROR(checkPose(found->data->joints, slot->pose));
         std::swap(found->pose, slot->pose);
         if (status != nullptr) return writeStruct(status, statusOf(slot->tracker->status()), "status");
         return {};

@@ -47,7 +47,7 @@ vk::AppDevice appDeviceOf(const DplVulkanDevice& given) {
 
 /** The Vulkan side of a context whose mutex is locked. */
 Result<VulkanSide*> sideOf(const Context& context) {
-    DPL_CHECK_OK(checkUsable(context));
+    DPL_RETURN_IF_ERROR(checkUsable(context));
     if (!context.vulkan)
         return fail(Code::InvalidArgument, "the context is not on the program's Vulkan device; make it with dplCreateVulkanContext");
     return context.vulkan.get();
@@ -63,7 +63,7 @@ Result<NewRenderer> lentRenderer(const DplVulkanDevice& given, const RendererOpt
     vk::VulkanBackend& lent = *backend;
     std::string name = "vulkan: " + lent.info().name;
     auto renderer = std::make_unique<GpuRenderer>(std::move(backend), std::move(name), GpuOptions{.preciseBlending = true});
-    DPL_CHECK_OK(setFill(*renderer, options));
+    DPL_RETURN_IF_ERROR(setFill(*renderer, options));
     auto side = std::make_shared<VulkanSide>(VulkanSide{*renderer, lent});
     return NewRenderer{std::move(renderer), std::move(side)};
 }
@@ -88,7 +88,7 @@ Result<NewRenderer> rebuilt(const Context& context, const DplVulkanDevice* devic
     } else {
         DPL_TRY(made.renderer, createGpuRenderer(context.request.kind, context.request.options));
     }
-    DPL_CHECK_OK(made.renderer->addAll(*context.renderer));
+    DPL_RETURN_IF_ERROR(made.renderer->addAll(*context.renderer));
     return made;
 }
 
@@ -131,7 +131,7 @@ Status takeDepths(const DplVulkanSceneDepth* depths, uint32_t viewCount, vk::Sce
                 "for example to VK_IMAGE_LAYOUT_DEPTH_STENCIL_READ_ONLY_OPTIMAL",
                 v, int(given.layout));
         if (samples != 1 && samples != 4) return fail(Code::InvalidArgument, "depth {} has {} samples; 1 and 4 are possible", v, samples);
-        DPL_CHECK_OK(checkProjection(given.scale, given.offset));
+        DPL_RETURN_IF_ERROR(checkProjection(given.scale, given.offset));
         images[v] = {given.image, given.layout, given.layer, samples, {given.x, given.y}, given.scale, given.offset};
     }
     return {};
@@ -142,10 +142,10 @@ Status prepare(DplContext context, uint32_t slot, std::span<const DplAvatar> ava
                FunctionRef<Status(vk::VulkanBackend&)> end) {
     DPL_TRY(Scene scene, sceneOf(context, avatars, viewCount));
     DPL_TRY(VulkanSide * side, sideOf(*scene.context));
-    DPL_CHECK_OK(takeViews(scene, views, viewCount));
+    DPL_RETURN_IF_ERROR(takeViews(scene, views, viewCount));
     vk::SceneImage images[DPL_MAX_VIEWS];
     if (depths) {
-        DPL_CHECK_OK(takeDepths(depths, viewCount, images));
+        DPL_RETURN_IF_ERROR(takeDepths(depths, viewCount, images));
     }
     return preparePictures(scene, *side, slot, std::span<const vk::SceneImage>(images, depths ? viewCount : 0),
                            {[&] { return begin(side->backend); }, [&] { return end(side->backend); }});
@@ -311,8 +311,8 @@ extern "C" DplResult dplVulkanUpload(DplContext context, VkCommandBuffer command
         DPL_TRY(const auto found, contextOf(context));
         std::lock_guard lock(found->mutex);
         DPL_TRY(VulkanSide * side, sideOf(*found));
-        DPL_CHECK_OK(side->backend.takeSlot(slot));
-        DPL_CHECK_OK(checkUsable(*found));
+        DPL_RETURN_IF_ERROR(side->backend.takeSlot(slot));
+        DPL_RETURN_IF_ERROR(checkUsable(*found));
         return side->backend.encodeCopies(slot, {commands}, /*endsSlot=*/true);
     });
 }
@@ -341,7 +341,7 @@ extern "C" DplResult dplVulkanComposeDepth(DplContext context, uint32_t composer
                                            int32_t x, int32_t y, float scale, float offset) {
     return guarded("dplVulkanComposeDepth", [&]() -> Status {
         if (!commands) return fail(Code::InvalidArgument, "commands is NULL");
-        DPL_CHECK_OK(checkProjection(scale, offset));
+        DPL_RETURN_IF_ERROR(checkProjection(scale, offset));
         DPL_TRY(const auto found, contextOf(context));
         std::lock_guard lock(found->mutex);
         DPL_TRY(VulkanSide * side, sideOf(*found));

@@ -219,7 +219,7 @@ public:
      *  frames may still need them are kept until their slots come round again. Allocates and waits for nothing. */
     virtual Status encode(FrameId frame, uint32_t slot, AppCommands commands) = 0;
     Status run(FrameId frame) {
-        DPL_CHECK_OK(submit(frame));
+        DPL_RETURN_IF_ERROR(submit(frame));
         return wait(frame);
     }
     /** Times of each step in the last finished run of the frame. Empty before the first run, and on a device without timestamps. */

@@ -53,7 +53,7 @@ public:
         for (Copy& copy : copies_) {
             if (copy.running) continue;
             if (bytes > 0 && bytes + copy.bytes > kCopiedBytesAFrame) break;
-            DPL_CHECK_OK(encode(copy));
+            DPL_RETURN_IF_ERROR(encode(copy));
             bytes += copy.bytes;
             copy.running = true;
             copy.slot = slot;

@@ -47,7 +47,7 @@ struct Checker {
             if (!seen.insert(list[i].buffer.value).second)
                 return fail(Code::InvalidArgument, "step {} binds buffer {} twice", label, desc->label);
             if (reads) {
-                DPL_CHECK_OK(readable(label, list[i].buffer));
+                DPL_RETURN_IF_ERROR(readable(label, list[i].buffer));
             }
         }
         for (const Binding& b : list)
@@ -56,7 +56,7 @@ struct Checker {
     }
 
     Status indirect(const std::string& label, const IndirectArgs& args, uint64_t bytes) const {
-        DPL_CHECK_OK(readable(label, args.buffer));
+        DPL_RETURN_IF_ERROR(readable(label, args.buffer));
         if (args.offset % 4 || args.offset + bytes > resources.buffer(args.buffer)->bytes)
             return fail(Code::InvalidArgument, "step {}: indirect arguments at {} do not fit buffer {}", label, args.offset,
                         resources.buffer(args.buffer)->label);
@@ -74,7 +74,7 @@ struct Checker {
         if (!shader || shader->stage != ShaderStage::Compute)
             return fail(Code::InvalidArgument, "step {} has no compute pipeline", step.label);
         if (step.indirect.buffer) {
-            DPL_CHECK_OK(indirect(step.label, step.indirect, 12));
+            DPL_RETURN_IF_ERROR(indirect(step.label, step.indirect, 12));
         } else if (step.groups == 0 || step.groups > device.maxGroups) {
             return fail(Code::Unsupported, "step {} wants {} workgroups; 1 to {} are possible", step.label, step.groups, device.maxGroups);
         }
@@ -91,12 +91,12 @@ struct Checker {
             return fail(Code::InvalidArgument, "step {} draws view {} of a target that has {}{}", step.label, step.view, target.views,
                         target.multiview ? " at once" : "");
         if (target.multiview || step.view + 1 == target.views) drawn.insert(step.target.value);
-        DPL_CHECK_OK(indirect(step.label, step.args, 16));
+        DPL_RETURN_IF_ERROR(indirect(step.label, step.args, 16));
         return bindings(step.label, *shader, resources.fragment(step.pipeline), step.bindings, step.push);
     }
 
     Status operator()(const CopyStep& step) {
-        DPL_CHECK_OK(readable(step.label, step.from));
+        DPL_RETURN_IF_ERROR(readable(step.label, step.from));
         const BufferDesc *from = resources.buffer(step.from), *to = resources.buffer(step.to);
         if (to && to->memory == BufferMemory::Device && from->memory == BufferMemory::Upload) {
             if (step.offset % 4 || step.offset > to->bytes || from->bytes > to->bytes - step.offset)
@@ -140,7 +140,7 @@ const std::string& stepLabel(const Step& step) {
 Status checkFrame(std::span<const Step> steps, const ResourceView& resources, const DeviceInfo& device) {
     Checker checker{resources, device, {}, {}};
     for (const Step& step : steps) {
-        DPL_CHECK_OK(std::visit(checker, step));
+        DPL_RETURN_IF_ERROR(std::visit(checker, step));
     }
     return {};
 }

@@ -151,17 +151,17 @@ Result<std::vector<uint8_t>> readFile(const std::filesystem::path& path, uint64_
                     info.st_size, maxBytes);
     const uint64_t fileBytes = uint64_t(info.st_size);
     std::vector<uint8_t> bytes(size_t(check ? std::min<uint64_t>(fileBytes, kFileHeadBytes) : fileBytes));
-    DPL_CHECK_OK(readFully(file.fd, bytes, path));
+    DPL_RETURN_IF_ERROR(readFully(file.fd, bytes, path));
     if (!check) {
-        DPL_CHECK_OK(checkEnd(file.fd, path));
+        DPL_RETURN_IF_ERROR(checkEnd(file.fd, path));
         return bytes;
     }
     if (const Status accepted = check(bytes, fileBytes); !accepted)
         return fail(accepted.error().code, "{}: {}", pathText(path), accepted.error().message);
     const size_t headBytes = bytes.size();
     bytes.resize(size_t(fileBytes));
-    DPL_CHECK_OK(readFully(file.fd, std::span(bytes).subspan(headBytes), path));
-    DPL_CHECK_OK(checkEnd(file.fd, path));
+    DPL_RETURN_IF_ERROR(readFully(file.fd, std::span(bytes).subspan(headBytes), path));
+    DPL_RETURN_IF_ERROR(checkEnd(file.fd, path));
     return bytes;
 }
 

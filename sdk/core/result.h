@@ -110,6 +110,6 @@ using Status = Result<void>;
     if (!DPL_CONCAT(dplResult_, __LINE__)) return DPL_CONCAT(dplResult_, __LINE__).error(); \
     declaration = std::move(*DPL_CONCAT(dplResult_, __LINE__))
 
-// DPL_CHECK_OK(status): returns the error of a Status, if it has one, from the calling function.
-#define DPL_CHECK_OK(...) \
+// DPL_RETURN_IF_ERROR(status): returns the error of a Status, if it has one, from the calling function.
+#define DPL_RETURN_IF_ERROR(...) \
     if (auto dplStatus = (__VA_ARGS__); !dplStatus) return dplStatus.error()

@@ -4,7 +4,7 @@
 //   Task task;                               the starter keeps it, and calls cancel() and progress() from any thread
 //   const TaskScope scope(&task);            the thread that works, around all of it
 //   { const TaskPart part(0, 0.5); ... }     half of the work
-//   DPL_CHECK_OK(taskAt(double(i) / n));     in its loops
+//   DPL_RETURN_IF_ERROR(taskAt(double(i) / n));     in its loops
 #pragma once
 
 #include <atomic>

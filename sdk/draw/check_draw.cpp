@@ -47,7 +47,7 @@ Status checkViews(std::span<const Cameraf> views) {
     if (views.empty() || views.size() > kMaxViews)
         return fail(Code::InvalidArgument, "{} views; 1 to {} are drawn at once", views.size(), kMaxViews);
     for (size_t v = 0; v < views.size(); ++v) {
-        DPL_CHECK_OK(checkView(views[v], v));
+        DPL_RETURN_IF_ERROR(checkView(views[v], v));
         if (views[v].widthPx != views[0].widthPx || views[v].heightPx != views[0].heightPx)
             return fail(Code::InvalidArgument, "the views of one call have the same size; view {} differs from view 0", v);
     }
@@ -55,8 +55,8 @@ Status checkViews(std::span<const Cameraf> views) {
 }
 
 Status checkDraw(std::span<const Drawn> what, std::span<const Cameraf> views, const FrameWants& wants, FindJoints findJoints) {
-    DPL_CHECK_OK(checkViews(views));
-    DPL_CHECK_OK(checkSceneDepth(wants, views));
+    DPL_RETURN_IF_ERROR(checkViews(views));
+    DPL_RETURN_IF_ERROR(checkSceneDepth(wants, views));
     if (what.empty() || what.size() > kMaxDrawnTogether)
         return fail(Code::InvalidArgument, "{} avatars; 1 to {} are drawn together", what.size(), kMaxDrawnTogether);
     bool mesh = false;
@@ -69,7 +69,7 @@ Status checkDraw(std::span<const Drawn> what, std::span<const Cameraf> views, co
         if (joints->empty()) continue;
         mesh = true;
         if (what[i].pose == nullptr) return fail(Code::InvalidArgument, "avatar {} is drawn without a pose", what[i].avatar);
-        DPL_CHECK_OK(checkPose(*joints, *what[i].pose));
+        DPL_RETURN_IF_ERROR(checkPose(*joints, *what[i].pose));
     }
     if (wants.meshDepth && !mesh) return fail(Code::InvalidArgument, "mesh depth was asked for, but general splats have no mesh");
     return {};

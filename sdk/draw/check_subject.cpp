@@ -24,8 +24,8 @@ Status checkAvatarPosable(const AvatarData& avatar) {
     if (avatar.joints.empty() || avatar.joints.size() > kMaxJoints)
         return fail(Code::InvalidArgument, "avatar '{}' has {} joints; 1 to {} are possible", avatar.name, avatar.joints.size(),
                     kMaxJoints);
-    DPL_CHECK_OK(asArgument(avatar, checkRig(avatar.joints)));
-    DPL_CHECK_OK(asArgument(avatar, checkMesh(avatar.mesh, avatar.joints.size())));
+    DPL_RETURN_IF_ERROR(asArgument(avatar, checkRig(avatar.joints)));
+    DPL_RETURN_IF_ERROR(asArgument(avatar, checkMesh(avatar.mesh, avatar.joints.size())));
     return asArgument(avatar, checkCorrectives(avatar.correctives, avatar.joints.size(), avatar.mesh.restPositions.size()));
 }
 

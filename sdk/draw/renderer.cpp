@@ -8,8 +8,8 @@ namespace dpl {
 
 Result<RenderAvatarId> Renderer::addAvatar(std::shared_ptr<const AvatarData> avatar) {
     if (!avatar) return fail(Code::InvalidArgument, "no avatar");
-    DPL_CHECK_OK(checkAvatarPosable(*avatar));
-    DPL_CHECK_OK(checkBoundSplats(*avatar));
+    DPL_RETURN_IF_ERROR(checkAvatarPosable(*avatar));
+    DPL_RETURN_IF_ERROR(checkBoundSplats(*avatar));
     DPL_TRY(CodedSplats coded, codeSplats(avatar->mesh, avatar->splats));
     return addCodedAvatar(std::move(avatar), std::move(coded));
 }
@@ -41,7 +41,7 @@ Status Renderer::draw(RenderAvatarId avatar, const Pose& pose, std::span<const C
 Status Renderer::render(RenderAvatarId avatar, const Pose& pose, std::span<const Cameraf> views, const FrameWants& wants,
                         std::span<RenderedView> out) {
     if (out.size() != views.size()) return fail(Code::InvalidArgument, "{} views into {} images", views.size(), out.size());
-    DPL_CHECK_OK(draw(avatar, pose, views, wants));
+    DPL_RETURN_IF_ERROR(draw(avatar, pose, views, wants));
     DPL_TRY(const std::span<const PixelView> pixels, read(avatar));
     for (size_t v = 0; v < out.size(); ++v)
         out[v] = {pixels[v].widthPx,

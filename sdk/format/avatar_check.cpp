@@ -48,7 +48,7 @@ Status checkStoredMesh(const MeshData& mesh, size_t jointCount) {
     if (mesh.colours.size() != n) return fail(Code::InvalidArgument, "{} vertices with {} colours", n, mesh.colours.size());
     if (n > ReadLimits().maxVertices || mesh.triangles.size() > ReadLimits().maxTriangles)
         return fail(Code::InvalidArgument, "{} vertices and {} triangles are more than readers accept", n, mesh.triangles.size());
-    DPL_CHECK_OK(checkMesh(mesh, jointCount));
+    DPL_RETURN_IF_ERROR(checkMesh(mesh, jointCount));
     for (size_t v = 0; v < n; ++v) {
         if (!inside(mesh.restPositions[v]))
             return fail(Code::InvalidArgument, "vertex {} is not finite or more than {} m away; are the units metres?", v, kPositionLimitM);
@@ -124,17 +124,17 @@ Status checkClip(const ClipData& clip, size_t jointCount) {
 }  // namespace
 
 Status checkAvatar(const AvatarData& a) {
-    DPL_CHECK_OK(checkAvatarWithoutSplats(a));
+    DPL_RETURN_IF_ERROR(checkAvatarWithoutSplats(a));
     return checkSplats(a.splats, a.mesh.triangles.size());
 }
 
 Status checkAvatarWithoutSplats(const AvatarData& a) {
-    DPL_CHECK_OK(checkJoints(a.joints));
-    DPL_CHECK_OK(checkStoredMesh(a.mesh, a.joints.size()));
+    DPL_RETURN_IF_ERROR(checkJoints(a.joints));
+    DPL_RETURN_IF_ERROR(checkStoredMesh(a.mesh, a.joints.size()));
     if (Status fits = checkCorrectives(a.correctives, a.joints.size(), a.mesh.restPositions.size()); !fits)
         return fail(Code::InvalidArgument, "{}", fits.error().message);
-    DPL_CHECK_OK(checkCaptureMap(a.captureMap, a.joints.size()));
-    for (const ClipData& clip : a.clips) DPL_CHECK_OK(checkClip(clip, a.joints.size()));
+    DPL_RETURN_IF_ERROR(checkCaptureMap(a.captureMap, a.joints.size()));
+    for (const ClipData& clip : a.clips) DPL_RETURN_IF_ERROR(checkClip(clip, a.joints.size()));
     for (const EvidenceData& e : a.evidence)
         if (!std::isfinite(e.gainDb)) return fail(Code::InvalidArgument, "the evidence for '{}' has a gain that is not finite", e.part);
     if (!(a.kappaPx2 >= 0 && a.kappaPx2 < 1e3f)) return fail(Code::InvalidArgument, "kappa is {} px²", a.kappaPx2);

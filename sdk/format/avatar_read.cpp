@@ -130,11 +130,11 @@ struct AvatarReader {
 
     Status readHead() {
         const Fields root(extension, "DPL_gaussian_avatar");
-        DPL_CHECK_OK(root.mustBe("units", "metre"));
-        DPL_CHECK_OK(root.mustBe("handedness", "right"));
-        DPL_CHECK_OK(root.mustBe("up", "+Y"));
-        DPL_CHECK_OK(root.mustBe("front", "+Z"));
-        DPL_CHECK_OK(root.mustBe("colourSpace", "srgb-display"));
+        DPL_RETURN_IF_ERROR(root.mustBe("units", "metre"));
+        DPL_RETURN_IF_ERROR(root.mustBe("handedness", "right"));
+        DPL_RETURN_IF_ERROR(root.mustBe("up", "+Y"));
+        DPL_RETURN_IF_ERROR(root.mustBe("front", "+Z"));
+        DPL_RETURN_IF_ERROR(root.mustBe("colourSpace", "srgb-display"));
         DPL_TRY(avatar.name, root.text("name"));
         DPL_TRY(avatar.kappaPx2, root.real("kappaPx2"));
         DPL_TRY(avatar.compensated, root.flag("compensated"));
@@ -165,7 +165,7 @@ struct AvatarReader {
             return fail(Code::CorruptData, "the avatar names skin {}, there are {}", skinIndex, model.skins.size());
         const GltfSkin& skin = model.skins[skinIndex];
         if (skin.inverseBind < 0) return fail(Code::CorruptData, "the skin has no inverse bind matrices");
-        DPL_CHECK_OK(spend(uint64_t(model.accessors[skin.inverseBind].count) * 64));
+        DPL_RETURN_IF_ERROR(spend(uint64_t(model.accessors[skin.inverseBind].count) * 64));
         DPL_TRY(const std::vector<float> binds, readFloats(model, uint32_t(skin.inverseBind), 16));
         info.skinBytes = binds.size() * 4;
         std::vector<int32_t> jointOfNode(model.nodes.size(), -1);
@@ -216,12 +216,12 @@ struct AvatarReader {
                 if (sampler.interpolation != "LINEAR") return fail(Code::Unsupported, "clip '{}' is not linear; resample it", clip.name);
                 if (input < 0) {
                     input = sampler.input;
-                    DPL_CHECK_OK(spend(uint64_t(model.accessors[sampler.input].count) * 4));
+                    DPL_RETURN_IF_ERROR(spend(uint64_t(model.accessors[sampler.input].count) * 4));
                     DPL_TRY(clip.timesS, readFloats(model, sampler.input, 1));
                     info.clipBytes += clip.timesS.size() * 4;
                 }
                 const uint32_t joint = uint32_t(jointOfNode[channel.node]), components = channel.path == "rotation" ? 4 : 3;
-                DPL_CHECK_OK(spend(uint64_t(model.accessors[sampler.output].count) * components * 4));
+                DPL_RETURN_IF_ERROR(spend(uint64_t(model.accessors[sampler.output].count) * components * 4));
                 DPL_TRY(const std::vector<float> values, readFloats(model, sampler.output, components));
                 info.clipBytes += values.size() * 4;
                 if (channel.path == "rotation") {
@@ -255,7 +255,7 @@ struct AvatarReader {
                 return fail(Code::CorruptData, "layer {} names mesh {}, which is missing or has several parts", mesh.layers.size(),
                             meshIndex);
             layer.name = model.meshes[meshIndex].name;
-            DPL_CHECK_OK(readLayer(model.meshes[meshIndex].primitives[0], layer));
+            DPL_RETURN_IF_ERROR(readLayer(model.meshes[meshIndex].primitives[0], layer));
             mesh.layers.push_back(std::move(layer));
         }
         return {};
@@ -269,7 +269,7 @@ struct AvatarReader {
             primitive.attributes.contains("POSITION") ? model.accessors[primitive.attributes.at("POSITION")].count : 0;
         const uint64_t indices = primitive.indices >= 0 ? model.accessors[primitive.indices].count : 0;
         const uint64_t bytes = primitive.dracoView >= 0 ? model.views[primitive.dracoView].length : vertices * 28 + indices;
-        DPL_CHECK_OK(spend(bytes));
+        DPL_RETURN_IF_ERROR(spend(bytes));
         DPL_TRY(PrimitiveReader reader, PrimitiveReader::open(model, primitive, left));
         DPL_TRY(const std::vector<float> positions, reader.floats("POSITION", 3));
         DPL_TRY(const std::vector<float> colours, reader.floats("COLOR_0", 4));
@@ -312,7 +312,7 @@ struct AvatarReader {
         DPL_TRY(const uint64_t encoding, splats.number("encoding", 0xffffffffu));
         if (encoding < 1 || encoding > 3)
             return fail(Code::Version, "splat encoding {}; this build reads 1 to 3: update Doppel or export again", encoding);
-        DPL_CHECK_OK(splats.mustBe("shBasis", "3dgs-real"));
+        DPL_RETURN_IF_ERROR(splats.mustBe("shBasis", "3dgs-real"));
         DPL_TRY(const uint64_t chunkSize, splats.number("chunkSize", 0xffffffffu));
         if (chunkSize != kSplatChunkSize)
             return fail(Code::Unsupported, "chunks of {} splats; encodings 1 to 3 have {}", chunkSize, kSplatChunkSize);
@@ -426,21 +426,21 @@ struct AvatarReader {
         DPL_TRY(const uint64_t view, Fields(streams, "streams").number(name, 0xffffffffu));
         if (view >= model.views.size())
             return fail(Code::CorruptData, "stream '{}' names buffer view {}, there are {}", name, view, model.views.size());
-        DPL_CHECK_OK(spend(model.views[view].length));
+        DPL_RETURN_IF_ERROR(spend(model.views[view].length));
         return model.viewBytes(uint32_t(view));
     }
 
     Status read(std::span<const uint8_t> bytes) {
-        DPL_CHECK_OK(open(bytes));
-        DPL_CHECK_OK(taskAt(0.2));
-        DPL_CHECK_OK(readHead());
-        DPL_CHECK_OK(readJoints());
-        DPL_CHECK_OK(readLayers());
-        DPL_CHECK_OK(taskAt(0.5));
-        DPL_CHECK_OK(readSplats());
-        DPL_CHECK_OK(taskAt(0.9));
-        DPL_CHECK_OK(readCorrectives());
-        DPL_CHECK_OK(readCaptureMap());
+        DPL_RETURN_IF_ERROR(open(bytes));
+        DPL_RETURN_IF_ERROR(taskAt(0.2));
+        DPL_RETURN_IF_ERROR(readHead());
+        DPL_RETURN_IF_ERROR(readJoints());
+        DPL_RETURN_IF_ERROR(readLayers());
+        DPL_RETURN_IF_ERROR(taskAt(0.5));
+        DPL_RETURN_IF_ERROR(readSplats());
+        DPL_RETURN_IF_ERROR(taskAt(0.9));
+        DPL_RETURN_IF_ERROR(readCorrectives());
+        DPL_RETURN_IF_ERROR(readCaptureMap());
         // The reader accepts exactly what the writer may write.
         if (Status valid = checkAvatarWithoutSplats(avatar); !valid)
             return fail(Code::CorruptData, "the file holds an impossible avatar: {}", valid.error().message);
@@ -473,7 +473,7 @@ struct AvatarReader {
 
 Result<AvatarData> readAvatar(std::span<const uint8_t> bytes, const ReadLimits& limits) try {
     AvatarReader reader{limits};
-    DPL_CHECK_OK(reader.read(bytes));
+    DPL_RETURN_IF_ERROR(reader.read(bytes));
     reader.avatar.splats = decodeSplats(reader.coded, reader.avatar.mesh.triangles.size());
     return std::move(reader.avatar);
 } catch (const std::bad_alloc&) {
@@ -484,7 +484,7 @@ Result<AvatarData> readAvatar(std::span<const uint8_t> bytes, const ReadLimits& 
 
 Result<CodedAvatar> readCodedAvatar(std::span<const uint8_t> bytes, const ReadLimits& limits) try {
     AvatarReader reader{limits};
-    DPL_CHECK_OK(reader.read(bytes));
+    DPL_RETURN_IF_ERROR(reader.read(bytes));
     return CodedAvatar{std::move(reader.avatar), std::move(reader.coded)};
 } catch (const std::bad_alloc&) {
     return outOfMemory("read an avatar");
@@ -496,7 +496,7 @@ Result<AvatarInfo> inspectAvatar(std::span<const uint8_t> bytes, const ReadLimit
     ReadLimits tolerant = limits;
     tolerant.verifyHash = false;
     AvatarReader reader{tolerant};
-    DPL_CHECK_OK(reader.read(bytes));
+    DPL_RETURN_IF_ERROR(reader.read(bytes));
     reader.finishInfo();
     return std::move(reader.info);
 } catch (const std::bad_alloc&) {

@@ -217,7 +217,7 @@ void writeHash(std::string& json, std::span<const uint8_t> bin) {
 }  // namespace
 
 Result<std::vector<uint8_t>> writeAvatar(const AvatarData& avatar, const WriteOptions& options) try {
-    DPL_CHECK_OK(checkAvatar(avatar));
+    DPL_RETURN_IF_ERROR(checkAvatar(avatar));
     AvatarData a = avatar;
     snapAvatar(a);
     DPL_TRY(CodedSplats coded, codeSplats(a.mesh, a.splats, options.shPalette));
@@ -237,7 +237,7 @@ Result<std::vector<uint8_t>> writeAvatar(const AvatarData& avatar, const WriteOp
             glb.root["extensionsRequired"] = {"KHR_draco_mesh_compression"};
         }
     }
-    for (const LayerData& layer : a.mesh.layers) DPL_CHECK_OK(addLayer(glb, a.mesh, layer, a.joints.size() > 256, options.draco));
+    for (const LayerData& layer : a.mesh.layers) DPL_RETURN_IF_ERROR(addLayer(glb, a.mesh, layer, a.joints.size() > 256, options.draco));
     glb.root["extensions"]["DPL_gaussian_avatar"] = avatarExtension(glb, a, coded, options.compact);
     addNodesAndSkin(glb, a);
     for (const ClipData& clip : a.clips) addClip(glb, a, clip);

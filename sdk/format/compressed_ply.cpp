@@ -103,7 +103,7 @@ Result<StaticSplatData> readCompressedPly(std::span<const uint8_t> bytes) try {
     s.position.resize(n), s.rotation.resize(n), s.scaleM.resize(n), s.opacity.resize(n), s.sh.resize(n * coefficients * 3);
     for (size_t i = 0; i < n; ++i) {
         if (i % kLook == 0) {
-            DPL_CHECK_OK(taskAt(double(i) / double(n)));
+            DPL_RETURN_IF_ERROR(taskAt(double(i) / double(n)));
         }
         const size_t chunk = i / kChunkSplats;
         const uint8_t* row = vertices.row(i);

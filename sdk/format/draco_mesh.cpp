@@ -80,7 +80,7 @@ Result<DracoCounts> readCounts(std::span<const uint8_t> bytes) {
     DracoCounts counts;
     counts.edgebreaker = method == 1;
     if (counts.edgebreaker) {
-        DPL_CHECK_OK(in.skip(1));
+        DPL_RETURN_IF_ERROR(in.skip(1));
         DPL_TRY(counts.vertices, varint(in));
         DPL_TRY(counts.faces, varint(in));
     } else {

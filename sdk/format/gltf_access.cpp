@@ -106,10 +106,10 @@ Result<std::vector<float>> readFloats(const GltfModel& m, uint32_t accessor, uin
             for (uint32_t k = 0; k < a.components; ++k)
                 values[size_t(i) * a.components + k] = load(from + i * stride + k * bytes, a.component);
     }
-    if (a.sparse.count) DPL_CHECK_OK(applySparse(m, a, values));
+    if (a.sparse.count) DPL_RETURN_IF_ERROR(applySparse(m, a, values));
     if (a.normalized)
         for (float& v : values) v = normalise(v, a.component);
-    DPL_CHECK_OK(finite(values, a.components, accessor));
+    DPL_RETURN_IF_ERROR(finite(values, a.components, accessor));
     return values;
 }
 
@@ -180,7 +180,7 @@ Result<std::vector<float>> PrimitiveReader::floats(const char* semantic, uint32_
     std::vector<float> values = dracoValues_.at(compressed->second);
     if (a.normalized)
         for (float& v : values) v = normalise(v, a.component);
-    DPL_CHECK_OK(finite(values, components, attribute->second));
+    DPL_RETURN_IF_ERROR(finite(values, components, attribute->second));
     return values;
 }
 

@@ -220,8 +220,8 @@ Result<Json> knownKeys(const Json& root, std::span<const uint8_t> bin, const Rea
     const auto version = asset->find("version");
     if (version == asset->end() || !version->is_string() || !version->get<std::string>().starts_with("2."))
         return fail(Code::Unsupported, "not glTF 2");
-    DPL_CHECK_OK(checkRequired(root));
-    DPL_CHECK_OK(checkBuffers(root, bin));
+    DPL_RETURN_IF_ERROR(checkRequired(root));
+    DPL_RETURN_IF_ERROR(checkBuffers(root, bin));
     // Member by member: a value made from an initializer list leaks when memory ends in it.
     Json out = Json::object();
     out["asset"] = pick(*asset, {"version", "generator"});
@@ -231,19 +231,19 @@ Result<Json> knownKeys(const Json& root, std::span<const uint8_t> bin, const Rea
         out["buffers"] = Json::array();
         out["buffers"].push_back(std::move(buffer));
     }
-    DPL_CHECK_OK(copyArray(root, out, "scenes", 64, [](const Json& s) { return pick(s, {"name"}); }));
-    DPL_CHECK_OK(copyArray(root, out, "bufferViews", 65536, [](const Json& v) {
+    DPL_RETURN_IF_ERROR(copyArray(root, out, "scenes", 64, [](const Json& s) { return pick(s, {"name"}); }));
+    DPL_RETURN_IF_ERROR(copyArray(root, out, "bufferViews", 65536, [](const Json& v) {
         return pick(v, {"buffer", "byteOffset", "byteLength", "byteStride"});
     }));
-    DPL_CHECK_OK(copyArray(root, out, "accessors", 65536, [](const Json& a) {
+    DPL_RETURN_IF_ERROR(copyArray(root, out, "accessors", 65536, [](const Json& a) {
         return pick(a, {"bufferView", "byteOffset", "componentType", "normalized", "count", "type", "sparse"});
     }));
-    DPL_CHECK_OK(checkTables(out));
+    DPL_RETURN_IF_ERROR(checkTables(out));
     for (const Json& a : out.value("accessors", Json::array()))
         if (auto sparse = a.find("sparse"); sparse != a.end() && !sparse->is_object())
             return fail(Code::CorruptData, "a sparse accessor is not an object");
     size_t mesh = 0, primitiveCount = 0;
-    DPL_CHECK_OK(copyArray(root, out, "meshes", 4096, [&](const Json& m) {
+    DPL_RETURN_IF_ERROR(copyArray(root, out, "meshes", 4096, [&](const Json& m) {
         Json to = pick(m, {"name", "weights"});
         auto& names = targetNames.emplace_back();
         if (auto extras = m.find("extras"); extras != m.end() && extras->is_object())
@@ -258,12 +258,14 @@ Result<Json> knownKeys(const Json& root, std::span<const uint8_t> bin, const Rea
         return to;
     }));
     if (primitiveCount > 4096) return fail(Code::CorruptData, "{} mesh primitives, the limit is 4096", primitiveCount);
-    DPL_CHECK_OK(copyArray(root, out, "nodes", limits.maxNodes, [](const Json& n) {
+    DPL_RETURN_IF_ERROR(copyArray(root, out, "nodes", limits.maxNodes, [](const Json& n) {
         return pick(n, {"name", "children", "matrix", "translation", "rotation", "scale", "mesh", "skin"});
     }));
-    DPL_CHECK_OK(copyArray(root, out, "skins", 1024, [](const Json& s) { return pick(s, {"name", "inverseBindMatrices", "joints"}); }));
+    DPL_RETURN_IF_ERROR(copyArray(root, out, "skins", 1024, [](const Json& s) {
+        return pick(s, {"name", "inverseBindMatrices", "joints"});
+    }));
     size_t channelCount = 0;
-    DPL_CHECK_OK(copyArray(root, out, "animations", 4096, [&](const Json& a) {
+    DPL_RETURN_IF_ERROR(copyArray(root, out, "animations", 4096, [&](const Json& a) {
         Json to = pick(a, {"name"});
         for (const char* key : {"channels", "samplers"}) {
             to[key] = Json::array();
@@ -323,15 +325,16 @@ Status checkRanges(const GltfModel& m) {
         if (a.view >= 0) {
             const size_t stride = size_t(a.view) < m.views.size() && m.views[a.view].stride ? m.views[a.view].stride : bytes;
             if (stride < bytes) return fail(Code::CorruptData, "accessor {} has elements longer than its stride", i);
-            DPL_CHECK_OK(checkRange(m, a.view, a.offset, bytes, stride, a.count, "accessor", i));
+            DPL_RETURN_IF_ERROR(checkRange(m, a.view, a.offset, bytes, stride, a.count, "accessor", i));
         }
         if (a.sparse.count) {
             const size_t indexBytes = componentBytes(a.sparse.indexComponent);
             if (a.sparse.count > a.count || (indexBytes != 1 && indexBytes != 2 && indexBytes != 4))
                 return fail(Code::CorruptData, "sparse accessor {} is malformed", i);
-            DPL_CHECK_OK(
+            DPL_RETURN_IF_ERROR(
                 checkRange(m, a.sparse.indexView, a.sparse.indexOffset, indexBytes, indexBytes, a.sparse.count, "sparse accessor", i));
-            DPL_CHECK_OK(checkRange(m, a.sparse.valueView, a.sparse.valueOffset, bytes, bytes, a.sparse.count, "sparse accessor", i));
+            DPL_RETURN_IF_ERROR(
+                checkRange(m, a.sparse.valueView, a.sparse.valueOffset, bytes, bytes, a.sparse.count, "sparse accessor", i));
         }
     }
     return {};
@@ -343,23 +346,23 @@ Status checkIndex(int64_t index, size_t count, const char* what) {
 }
 
 Status checkPrimitive(const GltfModel& m, const GltfPrimitive& p) {
-    DPL_CHECK_OK(checkIndex(p.indices, m.accessors.size(), "accessor"));
-    DPL_CHECK_OK(checkIndex(p.dracoView, m.views.size(), "buffer view"));
-    for (const auto& [name, accessor] : p.attributes) DPL_CHECK_OK(checkIndex(accessor, m.accessors.size(), "accessor"));
+    DPL_RETURN_IF_ERROR(checkIndex(p.indices, m.accessors.size(), "accessor"));
+    DPL_RETURN_IF_ERROR(checkIndex(p.dracoView, m.views.size(), "buffer view"));
+    for (const auto& [name, accessor] : p.attributes) DPL_RETURN_IF_ERROR(checkIndex(accessor, m.accessors.size(), "accessor"));
     for (const auto& target : p.targets)
-        for (const auto& [name, accessor] : target) DPL_CHECK_OK(checkIndex(accessor, m.accessors.size(), "accessor"));
+        for (const auto& [name, accessor] : target) DPL_RETURN_IF_ERROR(checkIndex(accessor, m.accessors.size(), "accessor"));
     return {};
 }
 
 Status checkReferences(GltfModel& m, const ReadLimits& limits) {
     for (const GltfMesh& mesh : m.meshes)
-        for (const GltfPrimitive& p : mesh.primitives) DPL_CHECK_OK(checkPrimitive(m, p));
+        for (const GltfPrimitive& p : mesh.primitives) DPL_RETURN_IF_ERROR(checkPrimitive(m, p));
     for (uint32_t n = 0; n < m.nodes.size(); ++n) {
         GltfNode& node = m.nodes[n];
-        DPL_CHECK_OK(checkIndex(node.mesh, m.meshes.size(), "mesh"));
-        DPL_CHECK_OK(checkIndex(node.skin, m.skins.size(), "skin"));
+        DPL_RETURN_IF_ERROR(checkIndex(node.mesh, m.meshes.size(), "mesh"));
+        DPL_RETURN_IF_ERROR(checkIndex(node.skin, m.skins.size(), "skin"));
         for (uint32_t child : node.children) {
-            DPL_CHECK_OK(checkIndex(child, m.nodes.size(), "node"));
+            DPL_RETURN_IF_ERROR(checkIndex(child, m.nodes.size(), "node"));
             if (m.nodes[child].parent >= 0) return fail(Code::CorruptData, "node {} has two parents", child);
             m.nodes[child].parent = int32_t(n);
         }
@@ -380,19 +383,19 @@ Status checkReferences(GltfModel& m, const ReadLimits& limits) {
     for (const GltfSkin& skin : m.skins) {
         if (skin.joints.empty() || skin.joints.size() > limits.maxJoints)
             return fail(Code::CorruptData, "a skin of {} joints, the limit is {}", skin.joints.size(), limits.maxJoints);
-        for (uint32_t joint : skin.joints) DPL_CHECK_OK(checkIndex(joint, m.nodes.size(), "node"));
-        DPL_CHECK_OK(checkIndex(skin.inverseBind, m.accessors.size(), "accessor"));
+        for (uint32_t joint : skin.joints) DPL_RETURN_IF_ERROR(checkIndex(joint, m.nodes.size(), "node"));
+        DPL_RETURN_IF_ERROR(checkIndex(skin.inverseBind, m.accessors.size(), "accessor"));
         if (skin.inverseBind >= 0 && m.accessors[skin.inverseBind].count < skin.joints.size())
             return fail(Code::CorruptData, "a skin has fewer bind matrices than joints");
     }
     for (const GltfAnimation& animation : m.animations) {
         for (const auto& s : animation.samplers) {
-            DPL_CHECK_OK(checkIndex(s.input, m.accessors.size(), "accessor"));
-            DPL_CHECK_OK(checkIndex(s.output, m.accessors.size(), "accessor"));
+            DPL_RETURN_IF_ERROR(checkIndex(s.input, m.accessors.size(), "accessor"));
+            DPL_RETURN_IF_ERROR(checkIndex(s.output, m.accessors.size(), "accessor"));
         }
         for (const auto& c : animation.channels) {
-            DPL_CHECK_OK(checkIndex(c.node, m.nodes.size(), "node"));
-            DPL_CHECK_OK(checkIndex(c.sampler, animation.samplers.size(), "animation sampler"));
+            DPL_RETURN_IF_ERROR(checkIndex(c.node, m.nodes.size(), "node"));
+            DPL_RETURN_IF_ERROR(checkIndex(c.sampler, animation.samplers.size(), "animation sampler"));
         }
     }
     return {};
@@ -427,12 +430,12 @@ Result<GltfModel> parseGlb(std::span<const uint8_t> bytes, const ReadLimits& lim
     DPL_TRY(GltfModel model, parseWithTinyGltf(known.dump(-1, ' ', false, Json::error_handler_t::replace)));
     model.bin = glb.bin, model.json = glb.json, model.jsonValues = shape.values();
     for (size_t i = 0; i < model.meshes.size() && i < targetNames.size(); ++i) model.meshes[i].targetNames = std::move(targetNames[i]);
-    DPL_CHECK_OK(linkDraco(model, links.draco));
+    DPL_RETURN_IF_ERROR(linkDraco(model, links.draco));
     for (SplattingLink& link : links.splatting)
         if (link.mesh < model.meshes.size() && link.primitive < model.meshes[link.mesh].primitives.size())
             model.meshes[link.mesh].primitives[link.primitive].splatting = std::move(link.splatting);
-    DPL_CHECK_OK(checkRanges(model));
-    DPL_CHECK_OK(checkReferences(model, limits));
+    DPL_RETURN_IF_ERROR(checkRanges(model));
+    DPL_RETURN_IF_ERROR(checkReferences(model, limits));
     if (auto extensions = root.find("extensions"); extensions != root.end() && extensions->is_object())
         if (auto ours = extensions->find("DPL_gaussian_avatar"); ours != extensions->end())
             model.avatarExtension = ours->dump(-1, ' ', false, Json::error_handler_t::replace);

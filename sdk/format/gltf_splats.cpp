@@ -32,7 +32,7 @@ Status checkSplats(const StaticSplatData& s) {
 }  // namespace
 
 Result<std::vector<uint8_t>> writeGltfSplats(const StaticSplatData& s) try {
-    DPL_CHECK_OK(checkSplats(s));
+    DPL_RETURN_IF_ERROR(checkSplats(s));
     const size_t n = s.position.size();
     const uint32_t coefficients = shCoefficientCount(s.shDegree);
     GlbBuilder glb;

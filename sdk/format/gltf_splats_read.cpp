@@ -49,9 +49,9 @@ Status checkKind(const GltfSplatting& s) {
     if (!s.extension.empty())
         return fail(Code::Unsupported, "KHR_gaussian_splatting: extended by {}, which is not read; export the file without it, or as .spz",
                     s.extension);
-    DPL_CHECK_OK(only("kernel", s.kernel, "ellipse"));
-    DPL_CHECK_OK(only("projection", s.projection, "perspective"));
-    DPL_CHECK_OK(only("colorSpace", s.colorSpace, "srgb_rec709_display"));
+    DPL_RETURN_IF_ERROR(only("kernel", s.kernel, "ellipse"));
+    DPL_RETURN_IF_ERROR(only("projection", s.projection, "perspective"));
+    DPL_RETURN_IF_ERROR(only("colorSpace", s.colorSpace, "srgb_rec709_display"));
     return only("sortingMethod", s.sortingMethod, "cameraDistance");
 }
 
@@ -89,7 +89,7 @@ struct SplatReader {
     }
 
     Status add(const GltfPrimitive& p, const Placement& world) {
-        DPL_CHECK_OK(checkKind(*p.splatting));
+        DPL_RETURN_IF_ERROR(checkKind(*p.splatting));
         if (p.mode != 0) return fail(Code::CorruptData, "splats on a primitive of mode {}; the extension asks for points (0)", p.mode);
         if (p.dracoView >= 0) return fail(Code::Unsupported, "splats compressed by KHR_draco_mesh_compression; export them without");
         const auto place = p.attributes.find("POSITION");
@@ -105,7 +105,7 @@ struct SplatReader {
         out.sh.resize((first + n) * shFloats, 0.0f);
         for (uint32_t k = 0, band = 0; band <= degree; ++band)
             for (uint32_t m = 0; m < 2 * band + 1; ++m, ++k) {
-                DPL_CHECK_OK(taskAt(0.5 * k / shCoefficientCount(degree)));
+                DPL_RETURN_IF_ERROR(taskAt(0.5 * k / shCoefficientCount(degree)));
                 DPL_TRY(const auto values, floats(p, coefficient(band, m), 3, n));
                 for (uint32_t i = 0; i < n; ++i)
                     for (uint32_t c = 0; c < 3; ++c) out.sh[(first + i) * shFloats + k * 3 + c] = values[i * 3 + c];
@@ -114,7 +114,7 @@ struct SplatReader {
         const bool turned = std::abs(world.rotation.w) < 1 - 1e-7f;
         for (uint32_t i = 0; i < n; ++i) {
             if (i % kLook == 0) {
-                DPL_CHECK_OK(taskAt(0.5 + 0.5 * i / n));
+                DPL_RETURN_IF_ERROR(taskAt(0.5 + 0.5 * i / n));
             }
             const Quatf q(rotations[i * 4 + 3], rotations[i * 4], rotations[i * 4 + 1], rotations[i * 4 + 2]);
             const Vec3f scale = world.scale * Vec3f(scales[i * 3], scales[i * 3 + 1], scales[i * 3 + 2]),
@@ -144,7 +144,7 @@ struct SplatReader {
         for (const auto& [primitive, node] : found) out.shDegree = std::max(out.shDegree, shDegreeOf(*primitive));
         for (const auto& [primitive, node] : found) {
             DPL_TRY(const Placement world, placementOf(model, node));
-            DPL_CHECK_OK(add(*primitive, world));
+            DPL_RETURN_IF_ERROR(add(*primitive, world));
         }
         return {};
     }
@@ -155,7 +155,7 @@ struct SplatReader {
 Result<StaticSplatData> readGltfSplats(std::span<const uint8_t> bytes, const ReadLimits& limits) try {
     DPL_TRY(const GltfModel model, parseGlb(bytes, limits));
     SplatReader reader{model, limits, model.bin.size()};
-    DPL_CHECK_OK(reader.read());
+    DPL_RETURN_IF_ERROR(reader.read());
     return std::move(reader.out);
 } catch (const std::bad_alloc&) {
     return outOfMemory("read splats");

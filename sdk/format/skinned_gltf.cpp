@@ -29,7 +29,7 @@ struct SkinnedReader {
     }
 
     Result<std::vector<float>> floats(uint32_t accessor, uint32_t components) {
-        DPL_CHECK_OK(spend(uint64_t(model.accessors[accessor].count) * components * 4));
+        DPL_RETURN_IF_ERROR(spend(uint64_t(model.accessors[accessor].count) * components * 4));
         return readFloats(model, accessor, components);
     }
 
@@ -86,7 +86,7 @@ struct SkinnedReader {
             const GltfMesh& mesh = model.meshes[node.mesh];
             for (const GltfPrimitive& primitive : mesh.primitives) {
                 if (primitive.mode != 4) continue;  // not triangles, so no part of a body
-                DPL_CHECK_OK(readMesh(mesh, primitive, node, n));
+                DPL_RETURN_IF_ERROR(readMesh(mesh, primitive, node, n));
             }
         }
         return {};
@@ -96,7 +96,7 @@ struct SkinnedReader {
         const uint64_t promised =
             primitive.attributes.contains("POSITION") ? model.accessors[primitive.attributes.at("POSITION")].count : 0;
         const uint64_t indices = primitive.indices >= 0 ? model.accessors[primitive.indices].count : promised;
-        DPL_CHECK_OK(spend(promised * 80 + indices * 4));
+        DPL_RETURN_IF_ERROR(spend(promised * 80 + indices * 4));
         DPL_TRY(PrimitiveReader reader, PrimitiveReader::open(model, primitive, options.limits));
         Mesh& to = out.meshes.emplace_back();
         to.name = source.name.empty() ? node.name : source.name;
@@ -117,8 +117,8 @@ struct SkinnedReader {
                                                      : Vec4f(c[v * 3], c[v * 3 + 1], c[v * 3 + 2], 1));
         }
         if (node.skin >= 0 && reader.has("JOINTS_0") && reader.has("WEIGHTS_0")) {
-            DPL_CHECK_OK(readSkin(uint32_t(node.skin)));
-            DPL_CHECK_OK(readWeights(reader, uint32_t(node.skin), to));
+            DPL_RETURN_IF_ERROR(readSkin(uint32_t(node.skin)));
+            DPL_RETURN_IF_ERROR(readWeights(reader, uint32_t(node.skin), to));
         }
         return readMorphs(source, primitive, n, to);
     }
@@ -159,7 +159,7 @@ struct SkinnedReader {
             morph.name =
                 t < source.targetNames.size() && !source.targetNames[t].empty() ? source.targetNames[t] : "morph" + std::to_string(t);
             morph.restWeight = t < source.weights.size() ? source.weights[t] : 0;
-            DPL_CHECK_OK(spend(uint64_t(vertexCount) * 12));
+            DPL_RETURN_IF_ERROR(spend(uint64_t(vertexCount) * 12));
             morph.offsets.assign(vertexCount, Vec3f(0));
             const auto position = primitive.targets[t].find("POSITION");
             if (position == primitive.targets[t].end()) continue;
@@ -216,8 +216,8 @@ struct SkinnedReader {
         budget = (256ull << 20) + uint64_t(bytes.size()) * 16;
         jointOf.resize(model.skins.size());
         readNodes();
-        DPL_CHECK_OK(readMeshes());
-        DPL_CHECK_OK(readAnimations());
+        DPL_RETURN_IF_ERROR(readMeshes());
+        DPL_RETURN_IF_ERROR(readAnimations());
         if (!options.requireSkin) return {};
         if (out.meshes.empty()) return fail(Code::NotFound, "the glTF has no triangle mesh");
         if (std::none_of(out.meshes.begin(), out.meshes.end(), [](const Mesh& m) { return m.skinned; }))
@@ -241,7 +241,7 @@ Vec4f unit(const Quatf& q) {
 
 Result<SkinnedGltf> readSkinnedGltf(std::span<const uint8_t> bytes, const SkinnedGltfOptions& options) try {
     SkinnedReader reader{options};
-    DPL_CHECK_OK(reader.read(bytes));
+    DPL_RETURN_IF_ERROR(reader.read(bytes));
     return std::move(reader.out);
 } catch (const std::bad_alloc&) {
     return outOfMemory("read a glTF");

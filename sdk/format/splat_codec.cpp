@@ -148,7 +148,7 @@ Result<CodedSplats> codeSplats(const MeshData& mesh, const SplatData& s, bool sh
     setParents(out, s.triangleStart);
     if (s.shDegree > 0) {
         if (shPalette) {
-            DPL_CHECK_OK(codeShPalette(s, out));
+            DPL_RETURN_IF_ERROR(codeShPalette(s, out));
         } else
             codeShOfEachSplat(s, out);
     }

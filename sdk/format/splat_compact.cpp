@@ -300,7 +300,7 @@ Result<std::vector<uint32_t>> readCompact(const SplatStreams<std::span<const uin
                                           CodedSplats& out) {
     const uint32_t n = head.count;
     const SplatBits& bits = *head.bits;
-    DPL_CHECK_OK(checkBits(bits));
+    DPL_RETURN_IF_ERROR(checkBits(bits));
     if (!in.triangleCounts.empty() || !in.chunks.empty() || !in.place.empty() || !in.size.empty() || !in.colour.empty() ||
         !in.shIndex.empty())
         return fail(Code::CorruptData, "splat encoding 3 beside streams of encodings 1 and 2");
@@ -357,7 +357,7 @@ Result<std::vector<uint32_t>> readCompact(const SplatStreams<std::span<const uin
             }
         }
     });
-    DPL_CHECK_OK(fits);
+    DPL_RETURN_IF_ERROR(fits);
     if (!reader.complete()) return fail(Code::CorruptData, "the coded splats do not end where their {} bytes do", in.coded.size());
     return start;
 }

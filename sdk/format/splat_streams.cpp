@@ -89,7 +89,7 @@ Result<std::vector<uint32_t>> readWords(const SplatStreams<std::span<const uint8
             chunksFit = fail(Code::CorruptData, "chunk {} has another range of SH than the palette", index);
         ++index;
     });
-    DPL_CHECK_OK(chunksFit);
+    DPL_RETURN_IF_ERROR(chunksFit);
     return start;
 }
 
@@ -126,7 +126,7 @@ Result<CodedSplats> readSplatStreams(const SplatStreams<std::span<const uint8_t>
     CodedSplats out;
     out.shDegree = head.shDegree;
     const uint32_t rows = head.paletteSize ? head.paletteSize : n;
-    DPL_CHECK_OK(readShRows(in.sh, rows, out));
+    DPL_RETURN_IF_ERROR(readShRows(in.sh, rows, out));
     DPL_TRY(const std::vector<uint32_t> start, head.bits ? readCompact(in, mesh, head, out) : readWords(in, mesh, head, out));
     for (size_t i = 0; i < out.shIndex.size(); ++i)
         if (out.shIndex[i] >= rows) return fail(Code::CorruptData, "splat {} has SH entry {} of {}", i, out.shIndex[i], rows);

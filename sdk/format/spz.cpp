@@ -114,13 +114,13 @@ Result<Packed> openGzip(std::span<const uint8_t> bytes) {
     DPL_TRY(const size_t got, stream->read(raw));
     if (got != raw.size()) return fail(Code::CorruptData, "SPZ: the file ends in its header");
     std::memcpy(&p.header, raw.data(), sizeof(Header));
-    DPL_CHECK_OK(checkHeader(p.header, bytes.size()));
+    DPL_RETURN_IF_ERROR(checkHeader(p.header, bytes.size()));
     if (p.header.version > 3)
         return fail(Code::CorruptData, "SPZ: version {} inside a gzip stream; only versions 2 and 3 are gzip streams", p.header.version);
     const auto sizes = attributeBytes(p.header);
     for (size_t a = 0; a < kAttributes; ++a) {
         p.attributes[a].resize(sizes[a]);
-        DPL_CHECK_OK(taskAt(double(a) / kAttributes));
+        DPL_RETURN_IF_ERROR(taskAt(double(a) / kAttributes));
         DPL_TRY(const size_t filled, stream->read(p.attributes[a]));
         if (filled != sizes[a]) return fail(Code::CorruptData, "SPZ: {} splats announced, the data ends early: truncated", p.header.splats);
     }
@@ -141,12 +141,12 @@ Result<Packed> openZstd(std::span<const uint8_t> bytes) {
     Reader in(bytes);
     Packed p;
     DPL_TRY(p.header, in.value<Header>());
-    DPL_CHECK_OK(checkHeader(p.header, bytes.size()));
+    DPL_RETURN_IF_ERROR(checkHeader(p.header, bytes.size()));
     if (p.header.version < 4) return fail(Code::CorruptData, "SPZ: version {} outside a gzip stream", p.header.version);
     DPL_TRY(const uint32_t tableAt, in.u32());
-    DPL_CHECK_OK(in.skip(12));
+    DPL_RETURN_IF_ERROR(in.skip(12));
     if (tableAt < in.position()) return fail(Code::CorruptData, "SPZ: the table of streams at byte {} lies inside the header", tableAt);
-    DPL_CHECK_OK(in.skip(tableAt - in.position()));
+    DPL_RETURN_IF_ERROR(in.skip(tableAt - in.position()));
     const auto sizes = attributeBytes(p.header);
     const size_t stored =
         size_t(std::count_if(sizes.begin(), sizes.end(), [](uint64_t bytes) { return bytes > 0; }));  // empty streams are not stored
@@ -163,7 +163,7 @@ Result<Packed> openZstd(std::span<const uint8_t> bytes) {
     }
     for (size_t a = 0; a < kAttributes; ++a) {
         if (sizes[a] == 0) continue;
-        DPL_CHECK_OK(taskAt(double(a) / kAttributes));
+        DPL_RETURN_IF_ERROR(taskAt(double(a) / kAttributes));
         DPL_TRY(const auto packed, in.take(packedBytes[a]));
         p.attributes[a].resize(sizes[a]);
         const size_t got = ZSTD_decompress(p.attributes[a].data(), sizes[a], packed.data(), packed.size());
@@ -216,7 +216,7 @@ Result<StaticSplatData> unpack(const Packed& p) {
     const float step = 1.0f / float(1u << h.fractionalBits);
     for (size_t i = 0; i < n; ++i) {
         if (i % kLook == 0) {
-            DPL_CHECK_OK(taskAt(double(i) / double(n)));
+            DPL_RETURN_IF_ERROR(taskAt(double(i) / double(n)));
         }
         float* sh = s.sh.data() + i * coefficients * 3;
         for (int k = 0; k < 3; ++k) {

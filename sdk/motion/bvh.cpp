@@ -40,8 +40,8 @@ public:
         if (text_.size() >= 3 && text_.substr(0, 3) == "\xEF\xBB\xBF") position_ = 3;  // byte order mark
         if (!sameWord(word(), "hierarchy")) return error("a BVH file begins with the word HIERARCHY");
         if (!sameWord(word(), "root")) return error("ROOT is missing after HIERARCHY");
-        DPL_CHECK_OK(readTree());
-        DPL_CHECK_OK(readFrames());
+        DPL_RETURN_IF_ERROR(readTree());
+        DPL_RETURN_IF_ERROR(readFrames());
         scaleToMetres(motion_);
         return std::move(motion_);
     }
@@ -133,19 +133,19 @@ private:
     }
 
     Status readTree() {
-        DPL_CHECK_OK(openJoint(false));
+        DPL_RETURN_IF_ERROR(openJoint(false));
         while (!open_.empty()) {
             const std::string_view w = word();
             if (w.empty()) return error("the text ends inside the hierarchy");
             if (w == "}") {
                 open_.pop_back();
             } else if (sameWord(w, "channels")) {
-                DPL_CHECK_OK(readChannels());
+                DPL_RETURN_IF_ERROR(readChannels());
             } else if (sameWord(w, "joint")) {
-                DPL_CHECK_OK(openJoint(false));
+                DPL_RETURN_IF_ERROR(openJoint(false));
             } else if (sameWord(w, "end")) {
                 if (!sameWord(word(), "site")) return error("'End' is not followed by 'Site'");
-                DPL_CHECK_OK(openJoint(true));
+                DPL_RETURN_IF_ERROR(openJoint(true));
             } else {
                 return error(formatText("'{}' is not expected in the hierarchy", w.substr(0, 40)));
             }
@@ -184,7 +184,7 @@ private:
                 }
         for (size_t k = 0; k < keys; ++k) {
             motion_.timesS[k] = float(double(k) * frameTimeS);
-            for (size_t j = 0; j < joints; ++j) DPL_CHECK_OK(readJointFrame(k, j, translationOf[j]));
+            for (size_t j = 0; j < joints; ++j) DPL_RETURN_IF_ERROR(readJointFrame(k, j, translationOf[j]));
         }
         skipSpace();
         if (position_ != text_.size()) return error(formatText("there is more after the {} frames that 'Frames:' promises", keys));

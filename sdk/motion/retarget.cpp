@@ -60,7 +60,7 @@ public:
         : motion_(motion), source_(motion), target_(target), follower_(motion.joints, source_.bones(), source_.rest(), target) {}
 
     Result<ClipData> run(const RetargetOptions& options) {
-        DPL_CHECK_OK(checkCommonBones(motion_.name, motion_.joints, source_.bones(), target_, follower_.targetBones()));
+        DPL_RETURN_IF_ERROR(checkCommonBones(motion_.name, motion_.joints, source_.bones(), target_, follower_.targetBones()));
         travelScale_ = follower_.travelScale();
         if (options.levelHead) levelHead();
         const size_t first = options.keepLeadIn ? 0 : firstKey();

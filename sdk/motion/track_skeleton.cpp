@@ -147,7 +147,7 @@ Status TrackSkeleton::read(CleanFrame& frame) const {
     for (size_t j = 0; j < joints_.size(); ++j)
         if (frame.tracked[j]) frame.rotations[j] = glm::normalize(frame.rotations[j] * uprightFromJoint_[j]);
     if (isSwapped(frame)) return fail(Code::CorruptData, "left and right of the hips or the arms are swapped");
-    if (knowsLengths_) DPL_CHECK_OK(checkLengths(frame));
+    if (knowsLengths_) DPL_RETURN_IF_ERROR(checkLengths(frame));
     for (const BonePair& pair : kRigid) {
         const auto carrier = findBone(bones_, pair.from), bone = findBone(bones_, pair.to);
         if (!carrier || !bone || !frame.tracked[*carrier] || frame.tracked[*bone]) continue;

@@ -73,7 +73,7 @@ Result<std::unique_ptr<Tracker>> Tracker::create(std::vector<JointData> joints, 
     if (!rest.positions.empty()) {
         if (format == TrackFormat::OpenxrHands || format == TrackFormat::MediapipePose)
             return fail(Code::InvalidArgument, "this format has no rest pose; pass none");
-        DPL_CHECK_OK(tracker->checkSizes(rest));
+        DPL_RETURN_IF_ERROR(tracker->checkSizes(rest));
     }
     if (format == TrackFormat::OpenxrHands) {
         const BoneMap bones = bonesOf(tracker->joints_);
@@ -88,7 +88,7 @@ Result<std::unique_ptr<Tracker>> Tracker::create(std::vector<JointData> joints, 
     tracker->skeleton_.emplace(std::move(skeleton));
     const TrackSkeleton& source = *tracker->skeleton_;
     tracker->follower_.emplace(source.joints(), source.bones(), source.rest(), tracker->joints_);
-    DPL_CHECK_OK(checkCommonBones("tracker", source.joints(), source.bones(), tracker->joints_, tracker->follower_->targetBones()));
+    DPL_RETURN_IF_ERROR(checkCommonBones("tracker", source.joints(), source.bones(), tracker->joints_, tracker->follower_->targetBones()));
     tracker->turns_.resize(tracker->joints_.size());
     tracker->places_.resize(1);  // root translation
     if (!rest.positions.empty()) tracker->scale_ = tracker->follower_->travelScale();
@@ -126,7 +126,7 @@ void Tracker::feed(Channel<T>& channel, const T& value, const FilterLimits& limi
 }
 
 Status Tracker::add(const TrackFrame& given) {
-    DPL_CHECK_OK(checkSizes(given));
+    DPL_RETURN_IF_ERROR(checkSizes(given));
     if (any_ && given.timeNs <= lastNs_) {
         if (double(lastNs_) - double(given.timeNs) <= double(kRestartNs)) {
             ++status_.framesDropped;
@@ -160,7 +160,7 @@ Status Tracker::addBones() {
         if (points_.swapped) return fail(Code::CorruptData, "left and right of the points are swapped, as in a mirrored picture");
         follower_->pose(points_.rotations, {}, points_.tracked, local_);
     } else {
-        DPL_CHECK_OK(skeleton_->read(frame_));
+        DPL_RETURN_IF_ERROR(skeleton_->read(frame_));
         follower_->pose(frame_.rotations, {}, frame_.tracked, local_);
     }
     const std::vector<uint8_t>& tracked = format_ == TrackFormat::MediapipePose ? points_.tracked : frame_.tracked;

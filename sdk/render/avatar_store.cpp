@@ -82,10 +82,10 @@ SubjectIds countsOf(const StaticSplatData& splats) {
 
 Result<std::unique_ptr<PreparedSubject>> AvatarStore::prepareAvatar(std::shared_ptr<const AvatarData> avatar, CodedSplats splats) const {
     if (!avatar) return fail(Code::InvalidArgument, "no avatar");
-    DPL_CHECK_OK(checkAvatar(*avatar, splats, backend_.info()));
-    DPL_CHECK_OK(taskAt(0.1));
+    DPL_RETURN_IF_ERROR(checkAvatar(*avatar, splats, backend_.info()));
+    DPL_RETURN_IF_ERROR(taskAt(0.1));
     measureDetail(*avatar, splats);
-    DPL_CHECK_OK(taskAt(0.4));
+    DPL_RETURN_IF_ERROR(taskAt(0.4));
     auto prepared = std::make_unique<PreparedUpload>(this);
     auto kept = std::make_shared<SubjectRecords>();
     AvatarRecords& records = kept->avatar = packAvatar(*avatar, splats);
@@ -106,18 +106,18 @@ Result<std::unique_ptr<PreparedSubject>> AvatarStore::prepareAvatar(std::shared_
 }
 
 Result<std::unique_ptr<PreparedSubject>> AvatarStore::prepareSplats(const StaticSplatData& splats) const {
-    DPL_CHECK_OK(checkSplats(splats, backend_.info()));
+    DPL_RETURN_IF_ERROR(checkSplats(splats, backend_.info()));
     auto prepared = std::make_unique<PreparedUpload>(this);
     LoadedSubject& subject = prepared->subject;
     subject.splats = splatSetOf(splats);
     subject.ids = countsOf(splats);
-    DPL_CHECK_OK(taskAt(0.1));
+    DPL_RETURN_IF_ERROR(taskAt(0.1));
     // Files have the order of training: neighbours in memory are far apart in space. Sorted by space, a group is compact and its loads
     // are coherent.
     const std::vector<uint32_t> order = spatialOrder(splats.position);
-    DPL_CHECK_OK(taskAt(0.3));
+    DPL_RETURN_IF_ERROR(taskAt(0.3));
     subject.generalDetail = GeneralDetailSubject(measureGroups(splats, order), splats.count());
-    DPL_CHECK_OK(taskAt(0.5));
+    DPL_RETURN_IF_ERROR(taskAt(0.5));
     auto kept = std::make_shared<SubjectRecords>();
     {
         const TaskPart part(0.5, 0.7);
@@ -127,7 +127,7 @@ Result<std::unique_ptr<PreparedSubject>> AvatarStore::prepareSplats(const Static
         const TaskPart part(0.7, 1);
         kept->sh = packSh(splats, order);
     }
-    DPL_CHECK_OK(taskAt(1));
+    DPL_RETURN_IF_ERROR(taskAt(1));
     subject.residentBytes = subject.splatBytes = kept->bytes();
     subject.records = std::move(kept);
     return std::unique_ptr<PreparedSubject>(std::move(prepared));
@@ -136,7 +136,7 @@ Result<std::unique_ptr<PreparedSubject>> AvatarStore::prepareSplats(const Static
 Result<RenderAvatarId> AvatarStore::begin(std::unique_ptr<PreparedSubject> prepared) {
     auto* mine = dynamic_cast<PreparedUpload*>(prepared.get());
     if (!mine || mine->owner != this) return fail(Code::InvalidArgument, "the subject was prepared by another renderer");
-    DPL_CHECK_OK(makeBuffers(mine->subject));
+    DPL_RETURN_IF_ERROR(makeBuffers(mine->subject));
     subjects_.emplace(++lastId_, std::move(mine->subject));
     return lastId_;
 }
@@ -155,7 +155,7 @@ Status AvatarStore::finishUpload(RenderAvatarId id) {
     LoadedSubject* subject = find(id);
     if (!subject) return fail(Code::InvalidArgument, "avatar {} is not in this renderer", id);
     if (!subject->upload) return {};
-    DPL_CHECK_OK(subject->upload->finish());
+    DPL_RETURN_IF_ERROR(subject->upload->finish());
     subject->upload.reset();
     return {};
 }
@@ -163,9 +163,9 @@ Status AvatarStore::finishUpload(RenderAvatarId id) {
 Status AvatarStore::addAll(const AvatarStore& other) {
     for (const auto& [id, subject] : other.subjects_) {
         LoadedSubject copy = subject;
-        DPL_CHECK_OK(makeBuffers(copy));
+        DPL_RETURN_IF_ERROR(makeBuffers(copy));
         subjects_.emplace(id, std::move(copy));
-        DPL_CHECK_OK(finishUpload(id));
+        DPL_RETURN_IF_ERROR(finishUpload(id));
     }
     lastId_ = other.lastId_;
     return {};
@@ -176,8 +176,8 @@ Status AvatarStore::makeBuffers(LoadedSubject& subject) {
     subject.upload.reset();
     subject.buffers = std::make_shared<DeviceBuffers>(backend_);
     std::vector<UploadPiece> pieces;
-    DPL_CHECK_OK(subject.avatar ? makeAvatarBuffers(subject.ids, subject.records->avatar, *subject.buffers, pieces)
-                                : makeSplatBuffers(subject.ids, *subject.records, *subject.buffers, pieces));
+    DPL_RETURN_IF_ERROR(subject.avatar ? makeAvatarBuffers(subject.ids, subject.records->avatar, *subject.buffers, pieces)
+                                       : makeSplatBuffers(subject.ids, *subject.records, *subject.buffers, pieces));
     subject.upload = std::make_shared<SubjectUpload>(backend_, std::move(pieces));
     return {};
 }

@@ -56,32 +56,32 @@ uint32_t appendWords(std::vector<uint32_t>& words, const std::vector<T>& values)
 }  // namespace
 
 Status checkAvatar(const AvatarData& avatar, const CodedSplats& splats, const DeviceInfo& device) {
-    DPL_CHECK_OK(checkAvatarPosable(avatar));
+    DPL_RETURN_IF_ERROR(checkAvatarPosable(avatar));
     const size_t vertices = avatar.mesh.restPositions.size(), triangles = avatar.mesh.triangles.size();
     const uint64_t detail = splats.groups.empty() ? 2 * splats.chunks.size() * sizeof(SplatGroup) : 0;  // of measureGroups
-    DPL_CHECK_OK(
+    DPL_RETURN_IF_ERROR(
         checkBinding("splats", splats.bytes() + detail + 32, 1, device, "export the avatar with a lower SH degree or fewer splats"));
     if (2 * splats.chunks.size() > device.maxGroups)
         return fail(Code::Unsupported, "avatar {}: {} chunks of splats, {} draws at most {}; pack the avatar again", avatar.name,
                     splats.chunks.size(), device.name, device.maxGroups / 2);
     if (triangles > gpu::kParentMask)
         return fail(Code::Unsupported, "avatar {}: {} triangles, at most {}; decimate the mesh", avatar.name, triangles, gpu::kParentMask);
-    DPL_CHECK_OK(checkBinding("projected splats", splats.count(), sizeof(gpu::ProjectedSplat) * gpu::kMaxViews, device,
-                              "export the avatar with fewer splats"));
-    DPL_CHECK_OK(checkBinding("posed triangles", triangles, sizeof(gpu::TriangleFrame), device, "decimate the mesh"));
+    DPL_RETURN_IF_ERROR(checkBinding("projected splats", splats.count(), sizeof(gpu::ProjectedSplat) * gpu::kMaxViews, device,
+                                     "export the avatar with fewer splats"));
+    DPL_RETURN_IF_ERROR(checkBinding("posed triangles", triangles, sizeof(gpu::TriangleFrame), device, "decimate the mesh"));
     return checkBinding("posed vertices", vertices,
                         avatar.correctives.empty() ? sizeof(gpu::VertexRecord) : sizeof(gpu::CorrectedVertexRecord), device,
                         "decimate the mesh");
 }
 
 Status checkSplats(const StaticSplatData& s, const DeviceInfo& device) {
-    DPL_CHECK_OK(checkGeneralSplats(s));
+    DPL_RETURN_IF_ERROR(checkGeneralSplats(s));
     const size_t count = s.count(), coefficients = shCoefficientCount(s.shDegree) * 3;
     if ((count + gpu::kSplatGroup - 1) / gpu::kSplatGroup > device.maxGroups)
         return fail(Code::Unsupported, "{} splats, {} draws at most {}; export fewer splats", count, device.name,
                     uint64_t(device.maxGroups) * gpu::kSplatGroup);
-    DPL_CHECK_OK(checkBinding("SH coefficients", count, (coefficients + 7) / 8 * sizeof(gpu::uvec4), device,
-                              "export the splats with a lower SH degree, or fewer of them"));
+    DPL_RETURN_IF_ERROR(checkBinding("SH coefficients", count, (coefficients + 7) / 8 * sizeof(gpu::uvec4), device,
+                                     "export the splats with a lower SH degree, or fewer of them"));
     return checkBinding("projected splats", count, sizeof(gpu::ProjectedSplat) * gpu::kMaxViews, device, "export fewer splats");
 }
 

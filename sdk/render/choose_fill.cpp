@@ -112,7 +112,7 @@ Result<Fill> chooseFill(Renderer& renderer, const FillScene& scene, std::span<co
             status = trial.error();
     }
     renderer.removeAvatar(id);
-    DPL_CHECK_OK(status);
+    DPL_RETURN_IF_ERROR(status);
     const auto text = [&](Fill fill) {
         const Trial& t = trials[size_t(fill)];
         return formatText("{}: {}", nameOf(fill), t.fault.empty() ? formatText("{} ms", std::round(t.milliseconds * 100) / 100) : t.fault);

@@ -88,7 +88,7 @@ Result<SceneSet*> FrameCache::sceneSet(std::span<const RenderAvatarId> members) 
     SceneSet set(backend_);
     set.members.assign(members.begin(), members.end());
     for (const RenderAvatarId id : members) set.subjects.push_back(store_.at(id).ids);
-    DPL_CHECK_OK(makeLists(set));
+    DPL_RETURN_IF_ERROR(makeLists(set));
     set.number = ++lastNumber_;
     return &sets_.emplace(set.number, std::move(set)).first->second;
 }
@@ -113,7 +113,7 @@ Status FrameCache::makeLists(SceneSet& set) {
     FrameIds& ids = set.ids;
     ids.multiview = backend_.info().multiview;
     ids.floatKeys = options_.floatKeys;
-    DPL_CHECK_OK(placeSubjects(set, backend_.info()));
+    DPL_RETURN_IF_ERROR(placeSubjects(set, backend_.info()));
     DPL_TRY(ids.visibility, set.buffers.create("visibility", ids.visibilityWords() * 4));
     DPL_TRY(ids.survivors, set.buffers.create("survivors", ids.survivorWords() * 4));
     DPL_TRY(ids.counts, set.buffers.create("counts", sizeof(gpu::FrameCounts)));
@@ -168,7 +168,7 @@ Result<RecordedFrame*> FrameCache::frame(SceneSet& set, const FrameShape& shape,
 
 Status FrameCache::record(const SceneSet& set, RecordedFrame& frame) {
     FrameIds& ids = frame.ids;
-    DPL_CHECK_OK(preparePipelines(set, frame));
+    DPL_RETURN_IF_ERROR(preparePipelines(set, frame));
     DPL_TRY(ids.projected, frame.buffers.create("projected", uint64_t(ids.splatCount) * ids.viewCount * sizeof(gpu::ProjectedSplat)));
     if (frame.shape.meshDepth) {
         DPL_TRY(ids.meshDepth, frame.buffers.create("mesh depth", pixelsOf(frame.shape) * 4));
@@ -181,10 +181,10 @@ Status FrameCache::record(const SceneSet& set, RecordedFrame& frame) {
                 ids.widthPx, ids.heightPx, ids.splatCount);
     }
     if (tiles) {
-        DPL_CHECK_OK(makeTileLists(frame, *tiles));
+        DPL_RETURN_IF_ERROR(makeTileLists(frame, *tiles));
     }
     for (FrameSlot& slot : frame.slots) {
-        DPL_CHECK_OK(recordSlot(set, frame, slot, tiles ? &*tiles : nullptr));
+        DPL_RETURN_IF_ERROR(recordSlot(set, frame, slot, tiles ? &*tiles : nullptr));
     }
     return {};
 }
@@ -204,9 +204,9 @@ Status FrameCache::makeTileLists(RecordedFrame& frame, const TilePlan& tiles) {
 Status FrameCache::preparePipelines(const SceneSet& set, const RecordedFrame& frame) {
     if (!set.ids.mayTakeFourSamples || !backend_.info().fourSamples) return {};
     const uint32_t other = frame.shape.samples == 1 ? kCoverageSamples : 1;
-    DPL_CHECK_OK(backend_.drawPipeline(drawPipelineOf(frame.ids, other)));
+    DPL_RETURN_IF_ERROR(backend_.drawPipeline(drawPipelineOf(frame.ids, other)));
     if (frame.shape.fill == Fill::Tiles) {
-        DPL_CHECK_OK(backend_.computePipeline(tileFillOf(frame.ids, other)));
+        DPL_RETURN_IF_ERROR(backend_.computePipeline(tileFillOf(frame.ids, other)));
     }
     return {};
 }

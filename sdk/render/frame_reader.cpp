@@ -14,7 +14,7 @@ Result<std::span<const PixelView>> FrameReader::read(std::span<const SubmittedFr
     size_t views = 0;
     for (const SubmittedFrame& drawn : frames) {
         Readback& readback = readbacks_.try_emplace(drawn.frame->key, backend_).first->second;
-        DPL_CHECK_OK(copy(*drawn.frame, *drawn.slot, readback));
+        DPL_RETURN_IF_ERROR(copy(*drawn.frame, *drawn.slot, readback));
         takePixels(*drawn.frame, readback, views);
         views += drawn.frame->shape.views;
     }
@@ -22,7 +22,7 @@ Result<std::span<const PixelView>> FrameReader::read(std::span<const SubmittedFr
 }
 
 Status FrameReader::copy(const RecordedFrame& frame, const FrameSlot& slot, Readback& readback) {
-    DPL_CHECK_OK(backend_.wait(slot.recorded));
+    DPL_RETURN_IF_ERROR(backend_.wait(slot.recorded));
     readback.fromTiles = frame.ids.tilePixels && countsOf(slot).tilesOverflowed == 0;
     FrameId& recorded = readback.copy[readback.fromTiles];
     if (!recorded) {
@@ -41,9 +41,9 @@ Result<FrameId> FrameReader::recordCopy(const RecordedFrame& frame, bool fromTil
         return {};
     };
     FramePlan plan(backend_);
-    DPL_CHECK_OK(bufferOf(readback.colour, "colour pixels", pixels * 4));
+    DPL_RETURN_IF_ERROR(bufferOf(readback.colour, "colour pixels", pixels * 4));
     if (ids.depth) {
-        DPL_CHECK_OK(bufferOf(readback.depth, "depth pixels", pixels * (backend_.info().halfDepth ? 4 : 8)));
+        DPL_RETURN_IF_ERROR(bufferOf(readback.depth, "depth pixels", pixels * (backend_.info().halfDepth ? 4 : 8)));
     }
     if (fromTiles) {
         plan.copy("readback", ids.tilePixels, readback.colour);
@@ -52,7 +52,7 @@ Result<FrameId> FrameReader::recordCopy(const RecordedFrame& frame, bool fromTil
         plan.readback("readback", ids.target, readback.colour, readback.depth);
     }
     if (ids.meshDepth) {
-        DPL_CHECK_OK(bufferOf(readback.meshDepth, "mesh depth pixels", pixels * 4));
+        DPL_RETURN_IF_ERROR(bufferOf(readback.meshDepth, "mesh depth pixels", pixels * 4));
         plan.copy("mesh readback", ids.meshDepth, readback.meshDepth);
     }
     return plan.finish();

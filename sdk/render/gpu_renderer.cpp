@@ -53,9 +53,9 @@ Result<RenderAvatarId> GpuRenderer::begin(std::unique_ptr<PreparedSubject> subje
 Status GpuRenderer::addAll(const Renderer& other) {
     const auto* from = dynamic_cast<const GpuRenderer*>(&other);
     if (!from) return Renderer::addAll(other);
-    DPL_CHECK_OK(store_.addAll(from->store_));
+    DPL_RETURN_IF_ERROR(store_.addAll(from->store_));
     for (const auto& [id, subject] : store_.all()) {
-        DPL_CHECK_OK(prepareFrames(id));
+        DPL_RETURN_IF_ERROR(prepareFrames(id));
     }
     frameNumber_ = from->frameNumber_;
     waits_ = from->waits_;
@@ -84,13 +84,13 @@ Result<std::span<const EncodedView>> GpuRenderer::encodeTogether(std::span<const
                                                                  const FrameWants& wants, const AppFrame& app) {
     if (app.slot >= kAppSlots) return fail(Code::InvalidArgument, "slot {} does not exist; there are {}", app.slot, kAppSlots);
     encodedCount_ = 0;
-    DPL_CHECK_OK(drawOrEncode(what, views, wants, &app));
+    DPL_RETURN_IF_ERROR(drawOrEncode(what, views, wants, &app));
     return std::span<const EncodedView>(encoded_, encodedCount_);
 }
 
 Status GpuRenderer::drawOrEncode(std::span<const Drawn> what, std::span<const Cameraf> views, const FrameWants& wants,
                                  const AppFrame* app) {
-    DPL_CHECK_OK(checkDraw(what, views, wants, [this](RenderAvatarId id) { return store_.jointsOf(id); }));
+    DPL_RETURN_IF_ERROR(checkDraw(what, views, wants, [this](RenderAvatarId id) { return store_.jointsOf(id); }));
     LoadedSubject* subjects[kMaxDrawnTogether];
     RenderAvatarId ids[kMaxDrawnTogether];
     for (size_t k = 0; k < what.size(); ++k) {
@@ -105,7 +105,7 @@ Status GpuRenderer::drawOrEncode(std::span<const Drawn> what, std::span<const Ca
     for (size_t k = 0; k < what.size(); ++k) lastDraws_.at(ids[k]).drawnShare = posed.subjects[k].drawnShare;
     LastDraw& last = lastDraws_.at(ids[0]);
     last.set = 0;
-    DPL_CHECK_OK(drawFrames(*set, call, posed, last));
+    DPL_RETURN_IF_ERROR(drawFrames(*set, call, posed, last));
     last.set = set->number;
     last.encoded = app != nullptr;
     last.splats = posed.splats;
@@ -151,27 +151,27 @@ Result<uint64_t> GpuRenderer::drawFrame(SceneSet& set, const DrawCall& call, con
     FrameSlot& slot = frame->slots[call.app ? call.app->slot : frame->next];
     if (!call.app && !backend_->finished(slot.recorded)) {  // all slots are still running
         ++waits_;
-        DPL_CHECK_OK(backend_->wait(slot.recorded));
+        DPL_RETURN_IF_ERROR(backend_->wait(slot.recorded));
     }
     if (call.app) reader_.keepFinished(slot);
     fillSlot(slot, set, call, posed, shape);
     if (shape.sceneDepth && !call.wants.sceneEncoded) writeScene(slot, call, shape);
-    DPL_CHECK_OK(call.app ? encode(*frame, slot, *call.app, call.wants.sceneEncoded) : submit(*frame, slot));
+    DPL_RETURN_IF_ERROR(call.app ? encode(*frame, slot, *call.app, call.wants.sceneEncoded) : submit(*frame, slot));
     slot.last.number = frame->lastUse = set.lastUse = ++frameNumber_;
     return slot.last.number;
 }
 
 Status GpuRenderer::submit(RecordedFrame& frame, FrameSlot& slot) {
-    DPL_CHECK_OK(backend_->submit(slot.recorded));
+    DPL_RETURN_IF_ERROR(backend_->submit(slot.recorded));
     frame.next = (frame.next + 1) % kFramesInFlight;
     return {};
 }
 
 Status GpuRenderer::encode(const RecordedFrame& frame, const FrameSlot& slot, const AppFrame& app, bool withScene) {
     if (withScene) {
-        DPL_CHECK_OK(app.encodeScene(slot.scene, uint32_t(encodedCount_), frame.shape.views));
+        DPL_RETURN_IF_ERROR(app.encodeScene(slot.scene, uint32_t(encodedCount_), frame.shape.views));
     }
-    DPL_CHECK_OK(backend_->encode(slot.recorded, app.slot, app.commands));
+    DPL_RETURN_IF_ERROR(backend_->encode(slot.recorded, app.slot, app.commands));
     for (uint32_t view = 0; view < frame.shape.views; ++view)
         encoded_[encodedCount_++] = {frame.ids.target,   view, frame.ids.tilePixels, frame.ids.counts, frame.tileDepthOffset,
                                      frame.ids.meshDepth};

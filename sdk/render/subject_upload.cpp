@@ -43,9 +43,9 @@ Result<double> SubjectUpload::next(UploadSlice& slice) {
     slice = {};
     if (doneBytes_ == allBytes_) return 1.0;
     if (!staging_) {
-        DPL_CHECK_OK(makeRing());
+        DPL_RETURN_IF_ERROR(makeRing());
     }
-    DPL_CHECK_OK(queueGiven());
+    DPL_RETURN_IF_ERROR(queueGiven());
     for (Place& place : places_) {
         if (place.copy == 0) continue;
         DPL_TRY(const bool ran, backend_.hasRun(place.copy));
@@ -71,7 +71,7 @@ Result<double> SubjectUpload::next(UploadSlice& slice) {
 Status SubjectUpload::finish() {
     if (doneBytes_ == allBytes_) return {};
     for (const UploadPiece& piece : pieces_) {
-        DPL_CHECK_OK(backend_.write(piece.to, 0, piece.from));
+        DPL_RETURN_IF_ERROR(backend_.write(piece.to, 0, piece.from));
     }
     doneBytes_ = allBytes_;
     return {};

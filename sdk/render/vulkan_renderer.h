@@ -4,7 +4,7 @@
 //   auto renderer = createVulkanRenderer({.allowSoftwareDevice = true});
 //   if (!renderer) return renderer.error();
 //   DPL_TRY(auto id, (*renderer)->addAvatar(avatar));
-//   DPL_CHECK_OK((*renderer)->draw(id, pose, views, wants));
+//   DPL_RETURN_IF_ERROR((*renderer)->draw(id, pose, views, wants));
 #pragma once
 
 #include "sdk/backend/vulkan/vulkan_backend.h"

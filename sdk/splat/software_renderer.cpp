@@ -77,11 +77,11 @@ public:
 
     Result<std::unique_ptr<PreparedSubject>> prepareAvatar(std::shared_ptr<const AvatarData> avatar, CodedSplats splats) const override {
         if (!avatar) return fail(Code::InvalidArgument, "no avatar");
-        DPL_CHECK_OK(checkAvatarPosable(*avatar));
+        DPL_RETURN_IF_ERROR(checkAvatarPosable(*avatar));
         auto drawable = std::make_unique<Drawable>();
         drawable->owner = this;
         drawable->splats = std::move(splats);
-        DPL_CHECK_OK(taskAt(0.1));
+        DPL_RETURN_IF_ERROR(taskAt(0.1));
         measureDetail(*avatar, drawable->splats);
         drawable->detailSubject = DetailSubject(*avatar, drawable->splats);
         drawable->components =
@@ -92,14 +92,14 @@ public:
     }
 
     Result<std::unique_ptr<PreparedSubject>> prepareSplats(const StaticSplatData& splats) const override {
-        DPL_CHECK_OK(checkGeneralSplats(splats));
+        DPL_RETURN_IF_ERROR(checkGeneralSplats(splats));
         auto drawable = std::make_unique<Drawable>();
         drawable->owner = this;
         // Level of detail thins out groups of neighbours. Files keep the order of training, so the splats are sorted by position here.
         const std::vector<uint32_t> order = spatialOrder(splats.position);
-        DPL_CHECK_OK(taskAt(0.4));
+        DPL_RETURN_IF_ERROR(taskAt(0.4));
         drawable->general = PackedSplats(splats, order);
-        DPL_CHECK_OK(taskAt(0.7));
+        DPL_RETURN_IF_ERROR(taskAt(0.7));
         drawable->generalSubject = GeneralDetailSubject(measureGroups(splats, order), splats.count());
         drawable->kappaPx2 = splats.kappaPx2, drawable->compensated = splats.compensated;
         return std::unique_ptr<PreparedSubject>(std::move(drawable));
@@ -119,7 +119,7 @@ public:
 
     Status drawTogether(std::span<const Drawn> what, std::span<const Cameraf> views, const FrameWants& wants) override {
         const auto start = std::chrono::steady_clock::now();
-        DPL_CHECK_OK(checkDraw(what, views, wants, [this](RenderAvatarId id) { return jointsOf(id); }));
+        DPL_RETURN_IF_ERROR(checkDraw(what, views, wants, [this](RenderAvatarId id) { return jointsOf(id); }));
         together_.clear();
         uint32_t samples = 1;
         for (const Drawn& one : what) {

@@ -126,14 +126,14 @@ Status writeKit(const fs::path& folder) {
         {"cases", nlohmann::ordered_json::array()}};
     for (const ConformanceCase& c : conformanceCases()) {
         DPL_TRY(const auto bytes, writeAvatar(c.avatar));
-        DPL_CHECK_OK(writeFileAtomically(folder / (c.name + ".glb"), bytes));
+        DPL_RETURN_IF_ERROR(writeFileAtomically(folder / (c.name + ".glb"), bytes));
         DPL_TRY(const ReferenceFile file, ReferenceFile::read(bytes));
         const std::vector<float> rotations = rotationsOf(c.pose);
         nlohmann::ordered_json views = nlohmann::ordered_json::array();
         for (size_t v = 0; v < c.views.size(); ++v) {
             const std::string picture = c.name + (c.views.size() == 1 ? "" : v == 0 ? ".left" : ".right") + ".png";
             const ReferencePicture reference = file.draw(rotations, c.pose.rootTranslation, c.views[v]);
-            DPL_CHECK_OK(writePng(folder / "reference" / picture, pictureOf(reference)));
+            DPL_RETURN_IF_ERROR(writePng(folder / "reference" / picture, pictureOf(reference)));
             nlohmann::ordered_json view = {{"picture", picture}};
             view.update(cameraJson(c.views[v]));
             views.push_back(std::move(view));
@@ -195,7 +195,7 @@ Result<std::vector<CaseScore>> scoreKit(const fs::path& kit, const fs::path& pic
         cv::Mat all(height, width, CV_8UC3, cv::Scalar::all(255));
         int y = 0;
         for (const cv::Mat& row : rows) row.copyTo(all(cv::Rect(0, y, row.cols, row.rows))), y += row.rows + kSheetGapPx;
-        DPL_CHECK_OK(writePng(sheet, all));
+        DPL_RETURN_IF_ERROR(writePng(sheet, all));
     }
     return scores;
 }

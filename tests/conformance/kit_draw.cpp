@@ -87,7 +87,7 @@ Result<std::string> drawKit(const fs::path& kit, const fs::path& pictures, doppe
         if (auto drawn = avatar->render(cameras, images); !drawn) return sdk(drawn.error());
         for (size_t v = 0; v < c.views.size(); ++v) {
             DPL_TRY(const auto png, encodePng(pixels[v], cameras[v].widthPx, cameras[v].heightPx, 4));
-            DPL_CHECK_OK(writeFileAtomically(pictures / c.views[v].picture, png));
+            DPL_RETURN_IF_ERROR(writeFileAtomically(pictures / c.views[v].picture, png));
         }
     }
     return context.rendererName();

@@ -54,9 +54,9 @@ Status lintMsl(std::string_view name, std::string_view text) {
 }
 
 Status lintMslStrictly(std::string_view name, std::string_view text) {
-    DPL_CHECK_OK(lintMsl(name, text));
+    DPL_RETURN_IF_ERROR(lintMsl(name, text));
     const MslText parsed = parseMsl(text);
-    DPL_CHECK_OK(lintNames(name, parsed));
+    DPL_RETURN_IF_ERROR(lintNames(name, parsed));
     return lintAddressSpaces(name, parsed);
 }
 

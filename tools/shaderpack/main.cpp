@@ -96,12 +96,12 @@ Status run(const fs::path& root, const fs::path& cataloguePath, const fs::path& 
         shader.stage = input.stage;
         input.defines = entry.value("defines", std::vector<std::string>{});
         DPL_TRY(shader.spirv, compileGlsl(input, dependencies));
-        DPL_CHECK_OK(reflectShader(shader));
+        DPL_RETURN_IF_ERROR(reflectShader(shader));
         const MslOptions wanted{entry.value("multiview", false), entry.value("eachSample", false)};
         DPL_TRY(shader.mslIos, translateToMsl(shader, MslPlatform::Ios, wanted));
         DPL_TRY(shader.mslMacos, translateToMsl(shader, MslPlatform::Macos, wanted));
-        DPL_CHECK_OK(lintMsl(shader.name + " (iOS)", shader.mslIos));
-        DPL_CHECK_OK(lintMsl(shader.name + " (macOS)", shader.mslMacos));
+        DPL_RETURN_IF_ERROR(lintMsl(shader.name + " (iOS)", shader.mslIos));
+        DPL_RETURN_IF_ERROR(lintMsl(shader.name + " (macOS)", shader.mslMacos));
         const bool metalOnly = entry.value("metal", false), reads = !shader.bindings.empty() && !metalOnly;
         if (metalOnly) shader.spirv.clear();
         pack.shaders.push_back(std::move(shader));
@@ -109,25 +109,25 @@ Status run(const fs::path& root, const fs::path& cataloguePath, const fs::path& 
         input.defines.push_back("DPL_TEXELS");
         Shader texels{.name = pack.shaders.back().name + std::string(kTexelsSuffix), .stage = input.stage};
         DPL_TRY(texels.spirv, compileGlsl(input, dependencies));
-        DPL_CHECK_OK(reflectShader(texels));
+        DPL_RETURN_IF_ERROR(reflectShader(texels));
         if (std::any_of(texels.bindings.begin(), texels.bindings.end(), [](const ShaderBinding& b) { return b.texelWords > 0; }))
             pack.shaders.push_back(std::move(texels));
     }
     fs::create_directories(out / "msl");
     for (const Shader& shader : pack.shaders) {
         if (shader.mslIos.empty()) continue;
-        DPL_CHECK_OK(writeFile(out / "msl" / (shader.name + ".ios.metal"), shader.mslIos));
-        DPL_CHECK_OK(writeFile(out / "msl" / (shader.name + ".macos.metal"), shader.mslMacos));
+        DPL_RETURN_IF_ERROR(writeFile(out / "msl" / (shader.name + ".ios.metal"), shader.mslIos));
+        DPL_RETURN_IF_ERROR(writeFile(out / "msl" / (shader.name + ".macos.metal"), shader.mslMacos));
     }
     const std::vector<uint8_t> full = writeShaderPack(pack);
-    DPL_CHECK_OK(writeFile(out / "shaders.dplpack", {reinterpret_cast<const char*>(full.data()), full.size()}));
+    DPL_RETURN_IF_ERROR(writeFile(out / "shaders.dplpack", {reinterpret_cast<const char*>(full.data()), full.size()}));
     ShaderPack metal = pack;
     std::erase_if(metal.shaders, [](const Shader& s) { return s.mslIos.empty(); });
     for (Shader& shader : metal.shaders) shader.spirv.clear();
-    DPL_CHECK_OK(writeFile(out / "metal_pack.cpp", embedText(writeShaderPack(metal), pack.interfaceHash, kMetalNames)));
+    DPL_RETURN_IF_ERROR(writeFile(out / "metal_pack.cpp", embedText(writeShaderPack(metal), pack.interfaceHash, kMetalNames)));
     std::erase_if(pack.shaders, [](const Shader& s) { return s.spirv.empty(); });
     for (Shader& shader : pack.shaders) shader.mslIos.clear(), shader.mslMacos.clear();
-    DPL_CHECK_OK(writeFile(out / "shader_pack.cpp", embedText(writeShaderPack(pack), pack.interfaceHash, names)));
+    DPL_RETURN_IF_ERROR(writeFile(out / "shader_pack.cpp", embedText(writeShaderPack(pack), pack.interfaceHash, names)));
     std::string depfile = (out / "shader_pack.cpp").string() + ":";
     for (const std::string& dependency : dependencies) depfile += " \\\n  " + dependency;
     return writeFile(out / "shader_pack.d", depfile + "\n");

@@ -57,7 +57,7 @@ public:
     Adjuster(BundleScene& scene, const BundleSettings& settings) : scene_(scene), settings_(settings) {}
 
     Result<BundleEnd> run() {
-        DPL_CHECK_OK(check());
+        DPL_RETURN_IF_ERROR(check());
         BundleScene found = scene_;
         std::vector<double> misses = measure(found);
         counts_.resize(misses.size());

@@ -26,9 +26,9 @@ Status checkFov(double focalPx, uint32_t sizePx, const char* name, std::string_v
 }  // namespace
 
 Status checkCamera(Camerad& camera, std::string_view where) {
-    DPL_CHECK_OK(checkImageSize(camera.widthPx, camera.heightPx, where));
-    DPL_CHECK_OK(checkFov(camera.fx, camera.widthPx, "fx", where));
-    DPL_CHECK_OK(checkFov(camera.fy, camera.heightPx, "fy", where));
+    DPL_RETURN_IF_ERROR(checkImageSize(camera.widthPx, camera.heightPx, where));
+    DPL_RETURN_IF_ERROR(checkFov(camera.fx, camera.widthPx, "fx", where));
+    DPL_RETURN_IF_ERROR(checkFov(camera.fy, camera.heightPx, "fy", where));
     if (camera.fx > 2 * camera.fy || camera.fy > 2 * camera.fx)
         return fail(Code::CorruptData, "{}: fx = {} and fy = {} differ by more than a factor of two; check the intrinsics", where,
                     camera.fx, camera.fy);

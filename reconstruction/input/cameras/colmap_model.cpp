@@ -71,8 +71,8 @@ ColmapCamera makeCamera(int32_t model, uint64_t width, uint64_t height, std::spa
 Status addCamera(Cameras& cameras, uint32_t id, ColmapCamera camera, const std::string& file) {
     const std::string where = formatText("{} camera {}", file, id);
     Camerad probe = camera.camera;  // checks the intrinsics; the pose is still the identity
-    DPL_CHECK_OK(checkCamera(probe, where));
-    DPL_CHECK_OK(checkDistortion(camera.lens, camera.camera, where));
+    DPL_RETURN_IF_ERROR(checkCamera(probe, where));
+    DPL_RETURN_IF_ERROR(checkDistortion(camera.lens, camera.camera, where));
     if (!cameras.emplace(id, camera).second) return fail(Code::CorruptData, "{} is listed twice; export the model again", where);
     return {};
 }
@@ -87,7 +87,7 @@ Status addImage(std::vector<ColmapImage>& images, const Cameras& cameras, std::s
         return fail(Code::CorruptData, "{} uses camera {}, which the model does not list; export it again", where, cameraId);
     ColmapImage image{std::move(name), found->second.camera, found->second.lens};
     setColmapPose(image.camera, q, t);
-    DPL_CHECK_OK(checkCamera(image.camera, where));
+    DPL_RETURN_IF_ERROR(checkCamera(image.camera, where));
     images.push_back(std::move(image));
     if (images.size() > kMaxEntries) return fail(Code::Unsupported, "{}: more than {} images; split the model", file, kMaxEntries);
     return {};
@@ -139,7 +139,7 @@ Result<Cameras> readCamerasText(const fs::path& path, std::string_view text) {
         if (!good || !nextWord(line).empty())
             return fail(Code::CorruptData, "{}: {} wants width, height and {} numbers; export the model again", where, name,
                         kind->parameterCount);
-        DPL_CHECK_OK(addCamera(cameras, id, makeCamera(kind->id, width, height, p), path.string()));
+        DPL_RETURN_IF_ERROR(addCamera(cameras, id, makeCamera(kind->id, width, height, p), path.string()));
     }
     return cameras;
 }
@@ -159,7 +159,7 @@ Result<std::vector<ColmapImage>> readImagesText(const fs::path& path, std::strin
         if (!good || begin == std::string_view::npos)
             return fail(Code::CorruptData, "{} line {}: 'id qw qx qy qz tx ty tz camera name' is expected; export the model again",
                         path.string(), number);
-        DPL_CHECK_OK(addImage(images, cameras, std::string(line.substr(begin)), cameraId, q, t, path.string()));
+        DPL_RETURN_IF_ERROR(addImage(images, cameras, std::string(line.substr(begin)), cameraId, q, t, path.string()));
         lines.next(line);  // skip the image's 2D points, one line that may be empty
         ++number;
     }
@@ -195,7 +195,7 @@ Result<Cameras> readCamerasBinary(const fs::path& path, std::span<const uint8_t>
         for (uint32_t k = 0; k < kind->parameterCount; ++k) {
             DPL_TRY(p[k], in.value<double>());
         }
-        DPL_CHECK_OK(addCamera(cameras, id, makeCamera(model, width, height, p), path.string()));
+        DPL_RETURN_IF_ERROR(addCamera(cameras, id, makeCamera(model, width, height, p), path.string()));
     }
     return cameras;
 }
@@ -215,7 +215,7 @@ Result<std::vector<ColmapImage>> readImagesBinary(const fs::path& path, std::spa
     std::vector<ColmapImage> images;
     DPL_TRY(const uint64_t count, readCount(in, 4 + 7 * 8 + 4 + 1 + 8, path));
     for (uint64_t i = 0; i < count; ++i) {
-        DPL_CHECK_OK(in.skip(4));  // image id
+        DPL_RETURN_IF_ERROR(in.skip(4));  // image id
         std::array<double, 7> pose{};
         for (double& v : pose) {
             DPL_TRY(v, in.value<double>());
@@ -225,9 +225,9 @@ Result<std::vector<ColmapImage>> readImagesBinary(const fs::path& path, std::spa
         DPL_TRY(const uint64_t points, in.value<uint64_t>());
         if (points > in.remaining() / 24)
             return fail(Code::CorruptData, "image '{}' says {} points, {} bytes are left", name, points, in.remaining());
-        DPL_CHECK_OK(in.skip(size_t(points) * 24));
-        DPL_CHECK_OK(addImage(images, cameras, std::move(name), cameraId, {pose[0], pose[1], pose[2], pose[3]}, {pose[4], pose[5], pose[6]},
-                              path.string()));
+        DPL_RETURN_IF_ERROR(in.skip(size_t(points) * 24));
+        DPL_RETURN_IF_ERROR(addImage(images, cameras, std::move(name), cameraId, {pose[0], pose[1], pose[2], pose[3]},
+                                     {pose[4], pose[5], pose[6]}, path.string()));
     }
     return images;
 }

@@ -46,9 +46,9 @@ public:
         for (const fs::path& old : {model, fs::path(database_), run_.folder / "colmap.log"}) fs::remove_all(old, error);
         fs::create_directories(model, error);
         if (error) return fail(Code::Io, "cannot create {}: {}", model.string(), error.message());
-        DPL_CHECK_OK(extract());
-        DPL_CHECK_OK(match());
-        DPL_CHECK_OK(map(model));
+        DPL_RETURN_IF_ERROR(extract());
+        DPL_RETURN_IF_ERROR(match());
+        DPL_RETURN_IF_ERROR(map(model));
         return largest(model);
     }
 
@@ -109,10 +109,10 @@ private:
             const size_t end = std::min(run_.pairs.size(), begin + kPairsPerCall);
             std::string text;
             for (size_t i = begin; i < end; ++i) text += run_.images[run_.pairs[i].first] + " " + run_.images[run_.pairs[i].second] + "\n";
-            DPL_CHECK_OK(writeFileAtomically(list, text));
-            DPL_CHECK_OK(call({"matches_importer", "--database_path", database_, "--match_list_path", list.string(),
-                               "--SiftMatching.use_gpu", "0", "--SiftMatching.num_threads", std::to_string(run_.threads)},
-                              {}));
+            DPL_RETURN_IF_ERROR(writeFileAtomically(list, text));
+            DPL_RETURN_IF_ERROR(call({"matches_importer", "--database_path", database_, "--match_list_path", list.string(),
+                                      "--SiftMatching.use_gpu", "0", "--SiftMatching.num_threads", std::to_string(run_.threads)},
+                                     {}));
             say(kExtractShare + kMatchShare * double(end) / double(run_.pairs.size()),
                 formatText("matches, pair {} of {}", end, run_.pairs.size()));
         }

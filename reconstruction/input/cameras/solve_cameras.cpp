@@ -36,12 +36,12 @@ public:
         if (stills_.empty()) return fail(Code::InvalidArgument, "no picture of the subject standing still; film a walk round it first");
         out_.pictures.resize(pictures_.size());
         features_.resize(pictures_.size());
-        DPL_CHECK_OK(prepareFolder());
-        DPL_CHECK_OK(solveStills());
+        DPL_RETURN_IF_ERROR(prepareFolder());
+        DPL_RETURN_IF_ERROR(solveStills());
         if (placedStills() < 2) return std::move(out_);  // the verdict says so
-        DPL_CHECK_OK(findBackground());
-        DPL_CHECK_OK(placeLate());
-        DPL_CHECK_OK(placeCloseupsByThePerson());
+        DPL_RETURN_IF_ERROR(findBackground());
+        DPL_RETURN_IF_ERROR(placeLate());
+        DPL_RETURN_IF_ERROR(placeCloseupsByThePerson());
         return std::move(out_);
     }
 
@@ -114,7 +114,7 @@ private:
             if (error) return fail(Code::Io, "cannot create {}: {}", (images / imageName(i)).string(), error.message());
             if (background.empty()) continue;
             DPL_TRY(const auto png, encodePng(background, settings_.widthPx, settings_.heightPx, 1));
-            DPL_CHECK_OK(writeFileAtomically(masks / (imageName(i) + ".png"), png));
+            DPL_RETURN_IF_ERROR(writeFileAtomically(masks / (imageName(i) + ".png"), png));
         }
         return {};
     }

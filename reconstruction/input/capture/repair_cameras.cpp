@@ -67,7 +67,7 @@ public:
             if (const LensDistortion& a = scan_.frames[f].lens, &b = scan_.frames[stills_[0]].lens;
                 a.p1 != 0 || a.p2 != 0 || a.k1 != b.k1 || a.k2 != b.k2)
                 return said("cameras with several lenses or tangential distortion are taken as they are");
-        DPL_CHECK_OK(findAllFeatures());
+        DPL_RETURN_IF_ERROR(findAllFeatures());
         TrackSettings tracking = trackSettings(kDoubtfulGate * diagonalPx(first));
         DPL_TRY(Tracks tracks, findTracks(pictures_, scan_.frames[stills_[0]].lens, tracking));
         if (percentile(tracks.matchesOfPicture, 0.5) < kFewestMatches)
@@ -147,7 +147,7 @@ private:
                 results[i] = found.error();
         });
         if (cancelled()) return fail(Code::Cancelled, "stopped");
-        for (const Status& result : results) DPL_CHECK_OK(result);
+        for (const Status& result : results) DPL_RETURN_IF_ERROR(result);
         say(0.3, "matching pictures");
         return {};
     }

@@ -46,9 +46,9 @@ Status finishScan(Scan& scan) {
             return fail(Code::CorruptData, "{}: the frame name '{}' is used twice; rename one", root, frame.name);
         if (!images.insert(frame.imagePath).second)
             return fail(Code::CorruptData, "{}: {} belongs to two frames; remove one of them", root, frame.imagePath.string());
-        DPL_CHECK_OK(checkSize(frame.imagePath, frame.camera, frame));
-        if (!frame.maskPath.empty()) DPL_CHECK_OK(checkSize(frame.maskPath, frame.camera, frame));
-        if (!frame.labelsPath.empty()) DPL_CHECK_OK(checkSize(frame.labelsPath, frame.camera, frame));
+        DPL_RETURN_IF_ERROR(checkSize(frame.imagePath, frame.camera, frame));
+        if (!frame.maskPath.empty()) DPL_RETURN_IF_ERROR(checkSize(frame.maskPath, frame.camera, frame));
+        if (!frame.labelsPath.empty()) DPL_RETURN_IF_ERROR(checkSize(frame.labelsPath, frame.camera, frame));
     }
     if (!scan.splitStated) holdOutFrames(scan);
     return {};

@@ -56,7 +56,7 @@ Result<Scan> readColmapScan(const fs::path& root, const fs::path& model) {
         frame.lens = image.lens;
         scan.frames.push_back(std::move(frame));
     }
-    DPL_CHECK_OK(finishScan(scan));
+    DPL_RETURN_IF_ERROR(finishScan(scan));
     return scan;
 }
 

@@ -78,7 +78,7 @@ Status readImageSize(const JsonFields& fields, uint32_t& widthPx, uint32_t& heig
 
 Result<Common> readCommon(const JsonFields& fields, const fs::path& root) {
     Common common{root};
-    DPL_CHECK_OK(readImageSize(fields, common.widthPx, common.heightPx));
+    DPL_RETURN_IF_ERROR(readImageSize(fields, common.widthPx, common.heightPx));
     DPL_TRY(const std::string model, fields.text("camera_model", "pinhole"));
     if (model != "pinhole" && model != "radial")
         return fail(Code::Unsupported, "{}: camera_model '{}' is not read; undistort the images and write 'pinhole'", fields.where(),
@@ -102,7 +102,7 @@ Result<double> readFocalGuess(const JsonFields& fields, const Common& common) {
     Camerad probe;  // only its intrinsics are checked
     probe.widthPx = common.widthPx, probe.heightPx = common.heightPx;
     probe.fx = probe.fy = focal, probe.cx = common.widthPx / 2.0, probe.cy = common.heightPx / 2.0;
-    DPL_CHECK_OK(checkCamera(probe, fields.where() + ": focal_px"));
+    DPL_RETURN_IF_ERROR(checkCamera(probe, fields.where() + ": focal_px"));
     return focal;
 }
 
@@ -128,10 +128,10 @@ Result<ScanFrame> readFrame(const json& entry, const Common& common, const std::
         DPL_TRY(out, fileInside(common.root, relative, formatText("{}: '{}'", here, key)));
         return {};
     };
-    DPL_CHECK_OK(path("image", true, frame.imagePath));
-    DPL_CHECK_OK(path("mask", false, frame.maskPath));
-    DPL_CHECK_OK(path("labels", false, frame.labelsPath));
-    DPL_CHECK_OK(path("keypoints", false, frame.keypointsPath));
+    DPL_RETURN_IF_ERROR(path("image", true, frame.imagePath));
+    DPL_RETURN_IF_ERROR(path("mask", false, frame.maskPath));
+    DPL_RETURN_IF_ERROR(path("labels", false, frame.labelsPath));
+    DPL_RETURN_IF_ERROR(path("keypoints", false, frame.keypointsPath));
     DPL_TRY(frame.closeupOf, fields.text("closeup_of", ""));
     DPL_TRY(frame.timeS, fields.number("time", 0));
 
@@ -143,7 +143,7 @@ Result<ScanFrame> readFrame(const json& entry, const Common& common, const std::
             "{}: 'camera' is missing, while other frames have one; register the frame, remove it, or remove all cameras to have them "
             "found",
             here);
-    if (fields.has("image_size")) DPL_CHECK_OK(readImageSize(fields, frame.camera.widthPx, frame.camera.heightPx));
+    if (fields.has("image_size")) DPL_RETURN_IF_ERROR(readImageSize(fields, frame.camera.widthPx, frame.camera.heightPx));
     JsonFields camera(entry.at("camera"), here + " camera");
     DPL_TRY(frame.camera.fx, camera.number("fx"));
     DPL_TRY(frame.camera.fy, camera.number("fy"));
@@ -155,13 +155,13 @@ Result<ScanFrame> readFrame(const json& entry, const Common& common, const std::
         Mat3d(r[0], r[3], r[6], r[1], r[4], r[7], r[2], r[5], r[8]);  // the file is row-major, glm column-major
     frame.camera.viewFromWorldTranslation = {t[0], t[1], t[2]};
     turnZUpWorld(frame.camera);
-    DPL_CHECK_OK(checkCamera(frame.camera, camera.where()));
+    DPL_RETURN_IF_ERROR(checkCamera(frame.camera, camera.where()));
     frame.lens = common.lens;
     if (camera.has("distortion")) {
         DPL_TRY(const auto k, camera.numbers("distortion", 4));
         frame.lens = {k[0], k[1], k[2], k[3]};
     }
-    DPL_CHECK_OK(checkDistortion(frame.lens, frame.camera, camera.where()));
+    DPL_RETURN_IF_ERROR(checkDistortion(frame.lens, frame.camera, camera.where()));
     return frame;
 }
 
@@ -220,7 +220,7 @@ Result<Scan> readScanFolder(const fs::path& manifestPath) {
     };
     if (none(&ScanFrame::keypointsPath)) scan.keypointNames.clear();
     if (none(&ScanFrame::labelsPath)) scan.labels.clear();
-    DPL_CHECK_OK(finishScan(scan));
+    DPL_RETURN_IF_ERROR(finishScan(scan));
     return scan;
 }
 

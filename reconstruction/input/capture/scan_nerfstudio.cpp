@@ -170,12 +170,12 @@ Result<Scan> parseNerfstudio(const json& manifest, const fs::path& manifestPath,
             DPL_TRY(frame.maskPath, files.mask(mask, where + ": 'mask_path'"));
         }
         DPL_TRY(const ImageHeader header, files.header(frame.imagePath));
-        DPL_CHECK_OK(readIntrinsics(fieldsHere, fields, header, frame.camera, frame.lens));
-        DPL_CHECK_OK(readPose(entry, where, frame.camera));
+        DPL_RETURN_IF_ERROR(readIntrinsics(fieldsHere, fields, header, frame.camera, frame.lens));
+        DPL_RETURN_IF_ERROR(readPose(entry, where, frame.camera));
         if (world.zUp) turnZUpWorld(frame.camera);
         const std::string named = formatText("{} ('{}')", where, frame.name);
-        DPL_CHECK_OK(checkCamera(frame.camera, named));
-        DPL_CHECK_OK(checkDistortion(frame.lens, frame.camera, named));
+        DPL_RETURN_IF_ERROR(checkCamera(frame.camera, named));
+        DPL_RETURN_IF_ERROR(checkDistortion(frame.lens, frame.camera, named));
         if (scan.splitStated) {
             const auto found = splits.find(relative);
             if (found == splits.end())
@@ -196,7 +196,7 @@ Result<Scan> readNerfstudio(const fs::path& manifestPath, char up) {
     files.mask = [&](const std::string& relative, const std::string& where) { return fileInside(root, relative, where); };
     files.header = probeImage;
     DPL_TRY(Scan scan, parseNerfstudio(manifest, manifestPath, files, up));
-    DPL_CHECK_OK(finishScan(scan));
+    DPL_RETURN_IF_ERROR(finishScan(scan));
     return scan;
 }
 

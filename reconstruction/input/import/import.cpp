@@ -123,12 +123,12 @@ Result<std::string> importCapture(const ImportOptions& options, const std::atomi
         if (const fs::path name = at->path().filename(); name != "scan" && name != "work" && name != FolderLock::kName)
             return fail(Code::InvalidArgument,
                         "{} is not what an interrupted import leaves; move it away, or choose another output with -o", partial.string());
-    DPL_CHECK_OK(checkOutput(out));
+    DPL_RETURN_IF_ERROR(checkOutput(out));
     fs::create_directories(partial, error);
     if (error) return fail(Code::Io, "cannot create {}: {}; choose another output with -o", partial.string(), error.message());
     DPL_TRY([[maybe_unused]] const FolderLock lock, FolderLock::take(partial, out));
     const RemovedFolder removed{partial};
-    DPL_CHECK_OK(checkOutput(out));  // once more: another import may have ended since
+    DPL_RETURN_IF_ERROR(checkOutput(out));  // once more: another import may have ended since
     for (const char* name : {"scan", "work"}) {
         fs::remove_all(partial / name, error);
         fs::create_directory(partial / name, error);
@@ -148,10 +148,11 @@ Result<std::string> importCapture(const ImportOptions& options, const std::atomi
     }
     if (capture.pictures.empty()) return fail(Code::CorruptData, "the capture has no picture");
     thinOut(capture);
-    DPL_CHECK_OK(writeScan(capture, out.filename().string(), options.heightM, partial / "scan", [&](double share, const std::string& what) {
-        if (cancel && cancel->load()) return false;
-        return !progress || progress(kReading + (1 - kReading) * share, what);
-    }));
+    DPL_RETURN_IF_ERROR(
+        writeScan(capture, out.filename().string(), options.heightM, partial / "scan", [&](double share, const std::string& what) {
+            if (cancel && cancel->load()) return false;
+            return !progress || progress(kReading + (1 - kReading) * share, what);
+        }));
     DPL_TRY(const Scan scan, readScan(partial / "scan", ScanCameras::MayLack));
     if (fs::exists(target, error)) fs::remove(target, error);
     fs::rename(partial / "scan", target, error);

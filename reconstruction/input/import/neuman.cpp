@@ -143,7 +143,7 @@ Result<Capture> readNeuman(const fs::path& root) {
         picture.maskShowsBackground = true;
         picture.camera = image.camera;
         picture.lens = image.lens;
-        DPL_CHECK_OK(fitToPicture(*picture.camera, picture.image, (root / "sparse").string()));
+        DPL_RETURN_IF_ERROR(fitToPicture(*picture.camera, picture.image, (root / "sparse").string()));
         std::error_code ignored;
         if (const fs::path file = root / "keypoints" / (image.name + ".npy"); fs::exists(file, ignored)) {
             DPL_TRY(picture.keypoints, readCocoKeypoints(file));

@@ -35,7 +35,7 @@ Result<Camerad> parsePolycamCamera(const json& object, const std::string& where)
             DPL_TRY(pose[row * 4 + column], fields.number(key));
         }
     setOpenglPose(camera, pose);
-    DPL_CHECK_OK(checkCamera(camera, where));
+    DPL_RETURN_IF_ERROR(checkCamera(camera, where));
     return camera;
 }
 
@@ -62,7 +62,7 @@ Result<Capture> readPolycam(const fs::path& root) {
         picture.name = frameName(picture.kind, capture.pictures.size());
         picture.image = image;
         DPL_TRY(picture.camera, parsePolycamCamera(object, file.string()));
-        DPL_CHECK_OK(fitToPicture(*picture.camera, image, file.string()));
+        DPL_RETURN_IF_ERROR(fitToPicture(*picture.camera, image, file.string()));
         capture.pictures.push_back(std::move(picture));
     }
     if (capture.pictures.empty())

@@ -79,8 +79,8 @@ Result<CalibratedCamera> convert(const toml::table& table, const std::string& ke
     camera.viewFromWorldRotation = fromRodrigues({(*rotation)[0], (*rotation)[1], (*rotation)[2]});
     camera.viewFromWorldTranslation = {(*translation)[0], (*translation)[1], (*translation)[2]};
     turnZUpWorld(camera);
-    DPL_CHECK_OK(checkCamera(camera, where));
-    DPL_CHECK_OK(checkDistortion(out.lens, camera, where));
+    DPL_RETURN_IF_ERROR(checkCamera(camera, where));
+    DPL_RETURN_IF_ERROR(checkDistortion(out.lens, camera, where));
     return out;
 }
 

@@ -97,8 +97,8 @@ Result<CalibratedCamera> convert(const QcaCamera& qca, const std::string& file, 
     camera.viewFromWorldRotation = reversed * r;
     camera.viewFromWorldTranslation = -(camera.viewFromWorldRotation * (place / 1000.0));
     turnZUpWorld(camera);
-    DPL_CHECK_OK(checkCamera(camera, where));
-    DPL_CHECK_OK(checkDistortion(out.lens, camera, where));
+    DPL_RETURN_IF_ERROR(checkCamera(camera, where));
+    DPL_RETURN_IF_ERROR(checkDistortion(out.lens, camera, where));
     return out;
 }
 

@@ -67,7 +67,7 @@ Result<Capture> readRecord3dFile(const fs::path& file, const fs::path& unpacked)
         if (!isWanted(name)) continue;
         auto plain = zip->read(name, kMaxEntryBytes);
         if (!plain) return named(plain.error());
-        DPL_CHECK_OK(writeFileAtomically(unpacked / name, *plain));
+        DPL_RETURN_IF_ERROR(writeFileAtomically(unpacked / name, *plain));
     }
     return readRecord3d(unpacked);
 }
@@ -107,7 +107,7 @@ Result<Record3dFrames> parseRecord3d(const json& metadata, const std::string& wh
             camera.fx = f[0], camera.fy = f[1], camera.cx = f[2], camera.cy = f[3];
         }
         setPose(camera, pose);
-        DPL_CHECK_OK(checkCamera(camera, here));
+        DPL_RETURN_IF_ERROR(checkCamera(camera, here));
         frames.cameras.push_back(camera);
     }
     return frames;
@@ -134,7 +134,7 @@ Result<Capture> readRecord3d(const fs::path& root) {
         picture.name = frameName(picture.kind, capture.pictures.size());
         picture.camera = frames.cameras[i];
         if (frames.framesPerSecond > 0) picture.timeS = double(i) / frames.framesPerSecond;
-        DPL_CHECK_OK(fitToPicture(*picture.camera, picture.image, formatText("{} frame {}", file.string(), i)));
+        DPL_RETURN_IF_ERROR(fitToPicture(*picture.camera, picture.image, formatText("{} frame {}", file.string(), i)));
         capture.pictures.push_back(std::move(picture));
     }
     if (capture.pictures.empty())

@@ -135,13 +135,13 @@ std::string toneMap() {
 Result<VideoInfo> probeVideo(const fs::path& path, const VideoWork& work) {
     std::error_code error;
     if (!fs::is_regular_file(path, error)) return fail(Code::NotFound, "{}: no such video", path.string());
-    DPL_CHECK_OK(checkStart(path));
+    DPL_RETURN_IF_ERROR(checkStart(path));
     std::vector<std::string> arguments = {"ffprobe",      "-v",  "error", "-select_streams", "v:0", "-show_streams",
                                           "-show_format", "-of", "json"};
     const auto input = inputOptions(path);
     arguments.insert(arguments.end(), input.begin(), input.end());
     std::string answer;
-    DPL_CHECK_OK(runFfmpeg(arguments, path, work, kProbeTimeoutS, [&](std::string_view line) {
+    DPL_RETURN_IF_ERROR(runFfmpeg(arguments, path, work, kProbeTimeoutS, [&](std::string_view line) {
         if (answer.size() < kMaxProbeBytes) answer.append(line).push_back('\n');
     }));
     const size_t begin = answer.find('{');  // warnings may come first
@@ -155,7 +155,7 @@ Result<VideoInfo> probeVideo(const fs::path& path, const VideoWork& work) {
     const double width = numberOf(stream, "width"), height = numberOf(stream, "height");
     if (!(width >= 16 && height >= 16))
         return fail(Code::Unsupported, "{}: ffmpeg does not know its codec ('{}'); convert it to H.264", path.string(), video.codec);
-    DPL_CHECK_OK(checkImageSize(uint64_t(width), uint64_t(height), path.string()));
+    DPL_RETURN_IF_ERROR(checkImageSize(uint64_t(width), uint64_t(height), path.string()));
     video.widthPx = uint32_t(width), video.heightPx = uint32_t(height);
     if (std::lround(std::abs(rotationOf(stream)) / 90) % 2 == 1) std::swap(video.widthPx, video.heightPx);
     video.durationS = numberOf(stream, "duration");
@@ -190,7 +190,7 @@ Result<VideoAnalysis> analyseVideo(const VideoInfo& video, const VideoWork& work
           std::string("-frames:v"), std::to_string(kMaxAnalysed), std::string("-f"), std::string("rawvideo"), raw.string()})
         arguments.push_back(word);
     VideoAnalysis analysis;
-    DPL_CHECK_OK(runFfmpeg(arguments, video.path, work, kDecodeTimeoutS, [&](std::string_view line) {
+    DPL_RETURN_IF_ERROR(runFfmpeg(arguments, video.path, work, kDecodeTimeoutS, [&](std::string_view line) {
         VideoFrame frame;
         if (!parseFrameLine(line, frame) || analysis.frames.size() >= kMaxAnalysed) return;
         analysis.frames.push_back(frame);
@@ -248,7 +248,7 @@ Result<std::vector<fs::path>> extractFrames(const VideoInfo& video, const std::v
           std::string("2"), std::string("-start_number"), std::string("0"), std::string("-f"), std::string("image2"), pattern})
         arguments.push_back(word);
     size_t written = 0;
-    DPL_CHECK_OK(runFfmpeg(arguments, video.path, work, kDecodeTimeoutS, [&](std::string_view line) {
+    DPL_RETURN_IF_ERROR(runFfmpeg(arguments, video.path, work, kDecodeTimeoutS, [&](std::string_view line) {
         VideoFrame frame;
         if (parseFrameLine(line, frame) && work.progress) (void)work.progress(std::min(1.0, double(++written) / double(pts.size())));
     }));

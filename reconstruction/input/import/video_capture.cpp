@@ -214,14 +214,14 @@ Status checkNamed(const VideoSources& sources) {
 }  // namespace
 
 Result<Capture> readVideos(const VideoSources& sources, const FrameCounts& counts, uint32_t longSidePx, const VideoWork& work) {
-    DPL_CHECK_OK(checkNamed(sources));
+    DPL_RETURN_IF_ERROR(checkNamed(sources));
     const bool one = !sources.undivided.empty();
     VideoReader reader(counts, longSidePx, work, one ? 1 : sources.still.size() + sources.closeup.size() + sources.moving.size());
-    if (one) DPL_CHECK_OK(reader.add(sources.undivided, std::nullopt, 1));
+    if (one) DPL_RETURN_IF_ERROR(reader.add(sources.undivided, std::nullopt, 1));
     for (const auto& [list, kind] : {std::pair{&sources.still, FrameKind::StaticFull},
                                      {&sources.closeup, FrameKind::StaticCloseup},
                                      {&sources.moving, FrameKind::Dynamic}})
-        for (const fs::path& path : *list) DPL_CHECK_OK(reader.add(path, kind, list->size()));
+        for (const fs::path& path : *list) DPL_RETURN_IF_ERROR(reader.add(path, kind, list->size()));
     return reader.finish();
 }
 
@@ -238,7 +238,7 @@ Result<Capture> readCalibratedVideos(const fs::path& folder, const fs::path& cal
         VideoWork part = steps.next();
         DPL_TRY(const VideoInfo info, probeVideo(path, part));
         Camerad camera = calibrated.camera;
-        DPL_CHECK_OK(fitToVideo(camera, info, calibrated.name));
+        DPL_RETURN_IF_ERROR(fitToVideo(camera, info, calibrated.name));
         steps.report(part, 0, 0.6);
         DPL_TRY(const VideoAnalysis analysis, analyseVideo(info, part));
         if (times.empty())

@@ -119,9 +119,9 @@ public:
         DPL_TRY(const auto bytes, readCompleteImage(picture.image));
         const Turn turn = turnOf(capture_, picture, bytes);
         json entry = {{"id", next_++}, {"name", picture.name}, {"kind", kindName(picture.kind)}};
-        DPL_CHECK_OK(writePicture(picture, bytes, turn, entry));
-        if (!picture.mask.empty()) DPL_CHECK_OK(writeMask(picture, turn, entry));
-        if (!picture.keypoints.empty()) DPL_CHECK_OK(writeKeypoints(picture, turn, entry));
+        DPL_RETURN_IF_ERROR(writePicture(picture, bytes, turn, entry));
+        if (!picture.mask.empty()) DPL_RETURN_IF_ERROR(writeMask(picture, turn, entry));
+        if (!picture.keypoints.empty()) DPL_RETURN_IF_ERROR(writeKeypoints(picture, turn, entry));
         if (picture.kind == FrameKind::Dynamic || picture.timeS != 0) entry["time"] = picture.timeS;
         if (!picture.closeupOf.empty()) entry["closeup_of"] = picture.closeupOf;
         if (picture.camera) {
@@ -161,7 +161,7 @@ private:
             upright = std::move(colour), mask = reduced(std::move(mask), size);
             if (std::any_of(mask.pixels.begin(), mask.pixels.end(), [](uint8_t value) { return value != 255; })) {
                 DPL_TRY(const auto maskBytes, encodePng(mask.pixels, mask.widthPx, mask.heightPx, 1));
-                DPL_CHECK_OK(save("masks", picture.name + ".png", maskBytes, entry, "mask"));
+                DPL_RETURN_IF_ERROR(save("masks", picture.name + ".png", maskBytes, entry, "mask"));
             }
         }
         upright = reduced(std::move(upright), size);
@@ -234,7 +234,7 @@ Status writeScan(Capture& capture, const std::string& name, double heightM, cons
     std::vector<Size> sizes;
     std::map<Size, size_t> counts;
     for (const CapturePicture& picture : capture.pictures) {
-        DPL_CHECK_OK(checkProgress(progress, 0, "looking at the pictures"));
+        DPL_RETURN_IF_ERROR(checkProgress(progress, 0, "looking at the pictures"));
         DPL_TRY(const Size size, frameSize(capture, picture));
         sizes.push_back(size);
         ++counts[size];
@@ -243,13 +243,13 @@ Status writeScan(Capture& capture, const std::string& name, double heightM, cons
     const Size shared =
         std::max_element(counts.begin(), counts.end(), [](const auto& a, const auto& b) { return a.second < b.second; })->first;
     const bool known = capture.pictures.front().camera.has_value();
-    if (!known) DPL_CHECK_OK(keepOneSize(capture, sizes, shared));
+    if (!known) DPL_RETURN_IF_ERROR(keepOneSize(capture, sizes, shared));
 
     ScanWriter writer(capture, folder, shared);
     json frames = json::array();
     for (const CapturePicture& picture : capture.pictures) {
         const double share = double(frames.size()) / double(capture.pictures.size());
-        DPL_CHECK_OK(checkProgress(progress, share, formatText("picture {} of {}", frames.size() + 1, capture.pictures.size())));
+        DPL_RETURN_IF_ERROR(checkProgress(progress, share, formatText("picture {} of {}", frames.size() + 1, capture.pictures.size())));
         DPL_TRY(json entry, writer.write(picture));
         if (capture.splitStated) entry["split"] = picture.split == Split::Test ? "test" : "train";
         frames.push_back(std::move(entry));

@@ -70,7 +70,7 @@ Result<std::vector<CloseupMask>> checkCloseupMasks(const Scan& scan, const std::
             return {};
         }();
     });
-    for (const Status& result : results) DPL_CHECK_OK(result);
+    for (const Status& result : results) DPL_RETURN_IF_ERROR(result);
     return closeups;
 }
 

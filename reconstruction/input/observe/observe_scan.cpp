@@ -79,9 +79,9 @@ Status observeFrame(Observer& observer, const ScanFrame& frame, const Wanted& wa
     }
     DPL_TRY(const Observation seen, observer.observe(image, mask ? &*mask : nullptr, start, frame.kind == FrameKind::StaticCloseup));
     const FramePaths paths(output, frame);
-    if (want.keypoints) DPL_CHECK_OK(writeKeypoints(paths.keypoints, frame, seen.keypoints));
-    if (want.mask) DPL_CHECK_OK(writePng(paths.mask, seen.mask));
-    if (want.labels && !seen.labels.pixels.empty()) DPL_CHECK_OK(writePng(paths.labels, seen.labels));
+    if (want.keypoints) DPL_RETURN_IF_ERROR(writeKeypoints(paths.keypoints, frame, seen.keypoints));
+    if (want.mask) DPL_RETURN_IF_ERROR(writePng(paths.mask, seen.mask));
+    if (want.labels && !seen.labels.pixels.empty()) DPL_RETURN_IF_ERROR(writePng(paths.labels, seen.labels));
     return {};
 }
 
@@ -133,7 +133,7 @@ Status observeScan(const Scan& scan, const ObserveOptions& options, Jobs& jobs) 
         options.progress(++done, 2 * count);
     };
     const auto allGood = [&]() -> Status {
-        for (const auto& result : results) DPL_CHECK_OK(result);
+        for (const auto& result : results) DPL_RETURN_IF_ERROR(result);
         return {};
     };
     // First everybody in the pictures without a mask; then, of the chosen one, what is wanted.
@@ -146,7 +146,7 @@ Status observeScan(const Scan& scan, const ObserveOptions& options, Jobs& jobs) 
         }();
         tell();
     });
-    DPL_CHECK_OK(allGood());
+    DPL_RETURN_IF_ERROR(allGood());
     for (const FrameKind kind : {FrameKind::StaticFull, FrameKind::StaticCloseup, FrameKind::Dynamic}) {
         std::vector<size_t> order;
         for (size_t f = 0; f < count; ++f)
@@ -156,7 +156,7 @@ Status observeScan(const Scan& scan, const ObserveOptions& options, Jobs& jobs) 
     }
     if (const std::string text = describePlaces(scan, where); options.note && !text.empty()) options.note(text);
     const std::string people = placesJson(scan, where);
-    DPL_CHECK_OK(writeFile(options.output / "people.json", {reinterpret_cast<const uint8_t*>(people.data()), people.size()}));
+    DPL_RETURN_IF_ERROR(writeFile(options.output / "people.json", {reinterpret_cast<const uint8_t*>(people.data()), people.size()}));
     for (const PersonPoint& point : options.persons)
         for (size_t f = 0; f < count; ++f)
             if (scan.frames[f].name == point.frame && !isChosenAt(where[f], point.px))

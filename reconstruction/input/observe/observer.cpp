@@ -186,9 +186,9 @@ struct Observer::State {
             if (seen.score >= kConfirmed) looks.push_back(std::move(seen));
             return {};
         };
-        for (const Look& look : std::span(kLooks).subspan(1)) DPL_CHECK_OK(add(pose, look));
+        for (const Look& look : std::span(kLooks).subspan(1)) DPL_RETURN_IF_ERROR(add(pose, look));
         if (heavyPose)
-            for (const Look& look : kLooks) DPL_CHECK_OK(add(*heavyPose, look));
+            for (const Look& look : kLooks) DPL_RETURN_IF_ERROR(add(*heavyPose, look));
         return looks;
     }
 
@@ -314,7 +314,7 @@ Result<Observation> Observer::observe(const ImageRgb8& image, const ImageGrey8* 
     std::array<double, 33> confidence{};
     for (size_t k = 0; k < 33; ++k) confidence[k] = pose.score >= kConfirmed ? pose.confidence[k] * pose.score : 0;
     out.keypoints = keypointsFromLandmarks(std::span(pose.landmarks).first(33), confidence, &out.mask);
-    if (state_->parser && pose.score >= kConfirmed) DPL_CHECK_OK(state_->findLabels(image, pose, out));
+    if (state_->parser && pose.score >= kConfirmed) DPL_RETURN_IF_ERROR(state_->findLabels(image, pose, out));
     return out;
 }
 

@@ -81,11 +81,11 @@ std::vector<DetectedPerson> bestOfEach(std::vector<DetectedPerson> found, size_t
 Result<std::vector<DetectedPerson>> detectPeople(OnnxNet& detector, const ImageRgb8& image, size_t most) {
     const double width = image.widthPx, height = image.heightPx, longer = std::max(width, height), shorter = std::min(width, height);
     std::vector<DetectedPerson> found;
-    for (const PersonCrop& tile : tiles(width, height, longer)) DPL_CHECK_OK(detectIn(detector, image, tile, found));
+    for (const PersonCrop& tile : tiles(width, height, longer)) DPL_RETURN_IF_ERROR(detectIn(detector, image, tile, found));
     if (longer > 1.1 * shorter)
-        for (const PersonCrop& tile : tiles(width, height, shorter)) DPL_CHECK_OK(detectIn(detector, image, tile, found));
+        for (const PersonCrop& tile : tiles(width, height, shorter)) DPL_RETURN_IF_ERROR(detectIn(detector, image, tile, found));
     if (found.empty() && shorter > 2 * kSide)
-        for (const PersonCrop& tile : tiles(width, height, 0.5 * shorter)) DPL_CHECK_OK(detectIn(detector, image, tile, found));
+        for (const PersonCrop& tile : tiles(width, height, 0.5 * shorter)) DPL_RETURN_IF_ERROR(detectIn(detector, image, tile, found));
     return bestOfEach(std::move(found), most);
 }
 

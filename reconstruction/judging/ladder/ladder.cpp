@@ -126,7 +126,7 @@ public:
         for (size_t f = 0; f < truth_.frames.size(); ++f)
             if (truth_.frames[f].known && in_.scan.frames[f].kind == FrameKind::StaticFull && splitOf(f) == "train") stills.push_back(f);
         if (stills.empty()) return std::optional<Ladder>();
-        DPL_CHECK_OK(gatherFloors());
+        DPL_RETURN_IF_ERROR(gatherFloors());
         bind(evenlySpaced(stills, kStillFrames), stills);
         Ladder ladder = emptyLadder();
         for (const GarmentPair& garment : garments_)
@@ -134,8 +134,8 @@ public:
                 ladder.garments.push_back({garment.name, poses, std::vector<GarmentCell>(ladder.groups.size())});
         const std::vector<std::pair<size_t, size_t>> frames = chosenFrames();
         for (size_t i = 0; i < frames.size(); ++i) {
-            DPL_CHECK_OK(tell(0.2 + 0.8 * double(i) / double(frames.size()), in_.scan.frames[frames[i].first].name));
-            DPL_CHECK_OK(score(frames[i].first, frames[i].second, ladder));
+            DPL_RETURN_IF_ERROR(tell(0.2 + 0.8 * double(i) / double(frames.size()), in_.scan.frames[frames[i].first].name));
+            DPL_RETURN_IF_ERROR(score(frames[i].first, frames[i].second, ladder));
         }
         for (GarmentRow& row : ladder.garments)
             for (GarmentCell& cell : row.cells)
@@ -181,7 +181,7 @@ private:
         for (size_t f = 0; f < truth_.frames.size(); ++f) {
             const ScanFrame& frame = in_.scan.frames[f];
             if (splitOf(f) != "train" || frame.kind == FrameKind::StaticCloseup) continue;
-            DPL_CHECK_OK(tell(0.15 * double(f) / double(truth_.frames.size()), frame.name));
+            DPL_RETURN_IF_ERROR(tell(0.15 * double(f) / double(truth_.frames.size()), frame.name));
             const auto picture = readFramePicture(frame);
             if (!picture) continue;  // the scan check reports it
             labels_.add(picture->image, picture->mask, picture->labels);

@@ -170,11 +170,11 @@ Result<std::optional<TrueMesh>> readTrueMesh(const Scan& scan) {
         if (!fs::is_regular_file(file, error)) return std::optional<TrueMesh>();
     DPL_TRY(const json manifest, readJson(manifestPath));
     TrueMesh mesh;
-    DPL_CHECK_OK(readSkeleton(manifestPath, manifest, mesh));
-    DPL_CHECK_OK(readTemplate(folder / "template.ply", mesh));
-    DPL_CHECK_OK(readWeights(folder / "weights.bin", mesh));
-    DPL_CHECK_OK(readParts(manifestPath, manifest.value("geometry", json::object()), mesh));
-    DPL_CHECK_OK(readFrames(truth, scan, mesh));
+    DPL_RETURN_IF_ERROR(readSkeleton(manifestPath, manifest, mesh));
+    DPL_RETURN_IF_ERROR(readTemplate(folder / "template.ply", mesh));
+    DPL_RETURN_IF_ERROR(readWeights(folder / "weights.bin", mesh));
+    DPL_RETURN_IF_ERROR(readParts(manifestPath, manifest.value("geometry", json::object()), mesh));
+    DPL_RETURN_IF_ERROR(readFrames(truth, scan, mesh));
     return std::optional<TrueMesh>(std::move(mesh));
 }
 

@@ -133,7 +133,7 @@ std::string reportJson(const ReportData& data) {
 }
 
 Status writeReport(const ReportData& data, const std::filesystem::path& folder) {
-    DPL_CHECK_OK(writeFileAtomically(folder / "report.json", reportJson(data)));
+    DPL_RETURN_IF_ERROR(writeFileAtomically(folder / "report.json", reportJson(data)));
     return writeFileAtomically(folder / "report.html", reportHtml(data));
 }
 

@@ -188,10 +188,10 @@ Result<Dressed> dressAvatar(const NamedAvatar& wearer, std::span<const Garment> 
     if (garments.empty())
         return fail(Code::InvalidArgument, "nothing to put on {}: name a garment's avatar with --top, --bottom, --shoes or --hair",
                     wearer.file);
-    DPL_CHECK_OK(checkLayered(wearer));
+    DPL_RETURN_IF_ERROR(checkLayered(wearer));
     for (const Garment& garment : garments) {
-        DPL_CHECK_OK(checkLayered(*garment.from));
-        DPL_CHECK_OK(checkMatch(wearer, *garment.from));
+        DPL_RETURN_IF_ERROR(checkLayered(*garment.from));
+        DPL_RETURN_IF_ERROR(checkMatch(wearer, *garment.from));
         if (layerIndex(garment.from->avatar, garment.layer) == garment.from->avatar.mesh.layers.size())
             return fail(Code::InvalidArgument, "{} has no layer '{}'; it has {}", garment.from->file, garment.layer,
                         layerNames(garment.from->avatar));
@@ -224,24 +224,24 @@ Result<Dressed> dressAvatar(const NamedAvatar& wearer, std::span<const Garment> 
     }
     for (size_t i = 0; i < inOrder.size(); ++i) {
         const Garment& garment = inOrder[i];
-        DPL_CHECK_OK(report(0.1 + 0.5 * double(i) / double(inOrder.size()), "fitting " + garment.layer));
+        DPL_RETURN_IF_ERROR(report(0.1 + 0.5 * double(i) / double(inOrder.size()), "fitting " + garment.layer));
         LayerPart part = takeLayer(garment.from->avatar, layerIndex(garment.from->avatar, garment.layer));
         DPL_TRY(DressedLayer done, fitPart(wearer, worn, garment, part, jobs));
         done.replaced = layerIndex(wearer.avatar, garment.layer) < wearer.avatar.mesh.layers.size();
         out.layers.push_back(std::move(done));
-        DPL_CHECK_OK(liftOver(wearer.avatar, part, worn));
+        DPL_RETURN_IF_ERROR(liftOver(wearer.avatar, part, worn));
         if (!correctives.empty()) followNeighbours(std::span<const LayerPart>(worn).first(kept), zeroNode, part);
         worn.push_back(std::move(part));
     }
 
-    DPL_CHECK_OK(report(0.6, "skin that the change uncovers"));
+    DPL_RETURN_IF_ERROR(report(0.6, "skin that the change uncovers"));
     const BodyChange change = changeBody(wearer.avatar, kept, worn, jobs);
     out.filledSkinTriangles = change.filledTriangles, out.clearedSkinTriangles = change.clearedTriangles, out.noSkin = change.noSkin;
     joinLayers(worn, avatar);
     separateLayers(avatar.mesh);
     avatar.generator = "doppel dress";
     updateEvidence(out.layers, avatar.evidence);
-    DPL_CHECK_OK(report(0.9, "encoding"));
+    DPL_RETURN_IF_ERROR(report(0.9, "encoding"));
 
     sortSplats(avatar);
     const std::vector<Vec3f> exact = avatar.mesh.restPositions;

@@ -52,7 +52,7 @@ Result<std::string> exportPosedSplats(const ExportOptions& options) {
     auto splats = splatsOf(options, bytes);
     if (!splats) return fail(splats.error().code, "{}: {}", options.avatar.string(), splats.error().message);
     DPL_TRY(auto file, extension == ".ply" ? writePly(*splats) : writeGltfSplats(*splats));
-    DPL_CHECK_OK(writeFileAtomically(options.out, file));
+    DPL_RETURN_IF_ERROR(writeFileAtomically(options.out, file));
     return formatText("{} splats, SH degree {}, {} bytes in {}", splats->count(), splats->shDegree, file.size(), options.out.string());
 }
 

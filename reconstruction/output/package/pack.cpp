@@ -301,7 +301,7 @@ Error outOfReach(const PackLimits& limits, const PackPoint& last, const PackPoin
 Result<PackResult> packToLimits(const AvatarData& avatar, const PackLimits& limits, const PackSettings& settings, Jobs& jobs,
                                 const std::function<Status(double, const std::string&)>& progress) {
     if (!limits.maxBytes && !limits.minPsnrDb) return fail(Code::InvalidArgument, "packing needs a limit: give a size, a PSNR or both");
-    DPL_CHECK_OK(progress(0, "drawing the unpacked avatar"));
+    DPL_RETURN_IF_ERROR(progress(0, "drawing the unpacked avatar"));
     Walk walk(avatar, settings, jobs);
     DPL_TRY(Walk::Candidate here, walk.measure(walk.first()));
     here.point.move = "as it was";
@@ -347,7 +347,7 @@ Result<PackResult> packToLimits(const AvatarData& avatar, const PackLimits& limi
                     best = &m;
             if (!best || known[best->ladder].fresh) break;
             Known& k = known[best->ladder];
-            DPL_CHECK_OK(progress(
+            DPL_RETURN_IF_ERROR(progress(
                 share(), formatText("{} MB, {}; trying {}", megabytes(here.point.bytes), decibels(here.point.psnrDb), best->name)));
             DPL_TRY(Walk::Candidate c, walk.measure(best->to));
             c.point.move = best->name;

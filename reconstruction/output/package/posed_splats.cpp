@@ -26,7 +26,7 @@ void ellipseOf(const Vec3d& a1, const Vec3d& a2, const Vec3d& normal, Quatf& rot
 }  // namespace
 
 Result<StaticSplatData> posedSplats(const AvatarData& avatar, const Pose& pose) {
-    DPL_CHECK_OK(checkPose(avatar.joints, pose));
+    DPL_RETURN_IF_ERROR(checkPose(avatar.joints, pose));
     Jobs jobs(1);
     const std::vector<RestTriangle<float>> bind = restTriangles(avatar.mesh);
     PosedMesh posed;

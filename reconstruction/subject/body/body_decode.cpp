@@ -145,7 +145,7 @@ Result<BodyModel> decodeBody(std::span<const uint8_t> bytes, std::string_view na
     body.name = std::string(name);
     const std::vector<Mat4f> sceneFromNode = gltf.restTransforms();
     std::vector<uint32_t> jointOfGltfJoint;
-    DPL_CHECK_OK(readJoints(gltf, sceneFromNode, body, jointOfGltfJoint));
+    DPL_RETURN_IF_ERROR(readJoints(gltf, sceneFromNode, body, jointOfGltfJoint));
 
     // A vertex is placed by the skin at the node tree's rest pose: Σ w · sceneFromNode · jointFromMesh · v. In files from encodeBody() this
     // is the identity up to rounding, so their positions are kept as stored.
@@ -205,7 +205,7 @@ Result<BodyModel> decodeBody(std::span<const uint8_t> bytes, std::string_view na
         body.keypoints = deriveKeypoints(body);
         body = withBoneMorphs(std::move(body));  // glTF morphs do not move joints
     }
-    DPL_CHECK_OK(checkBody(body));
+    DPL_RETURN_IF_ERROR(checkBody(body));
     return body;
 }
 

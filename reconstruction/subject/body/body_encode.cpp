@@ -86,7 +86,7 @@ OrderedJson bodyExtras(const BodyModel& body) {
 }  // namespace
 
 Result<std::vector<uint8_t>> encodeBody(const BodyModel& body) {
-    DPL_CHECK_OK(checkBody(body));
+    DPL_RETURN_IF_ERROR(checkBody(body));
     const MeshData& mesh = body.mesh;
     Accessors data;
     OrderedJson attributes;

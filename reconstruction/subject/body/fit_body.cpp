@@ -172,7 +172,7 @@ Status BodyFitter::fitStill(double from, double to) {
             for (size_t f : frames) problem.SetParameterBlockConstant(frames_[f].sway.data());
         const char* const names[3] = {"still frames: root", "still frames: pose", "still frames: shape, pose and sway"};
         const double span = (to - from) / 3;
-        DPL_CHECK_OK(solve(problem, names[round], round == 2 ? 60 : 25, from + span * round, from + span * (round + 1)));
+        DPL_RETURN_IF_ERROR(solve(problem, names[round], round == 2 ? 60 : 25, from + span * round, from + span * (round + 1)));
     }
     return {};
 }
@@ -266,7 +266,7 @@ Status BodyFitter::refineShape(double from, double to) {
                                      nullptr, shape_.data(), &logUnit_, still_.root, still_.pose.data(), frames_[masked[i]].sway.data());
         }
         const double span = (to - from) / kMaskRounds;
-        DPL_CHECK_OK(solve(problem, "still frames: shape against masks", 15, from + span * round, from + span * (round + 1)));
+        DPL_RETURN_IF_ERROR(solve(problem, "still frames: shape against masks", 15, from + span * round, from + span * (round + 1)));
     }
     return {};
 }
@@ -289,9 +289,9 @@ Status BodyFitter::fitUntrained(double from, double to) {
         ceres::Problem problem;
         for (size_t f : stills) addFrame(problem, f);
         freezeGlobals(problem);
-        DPL_CHECK_OK(solve(problem, what, 40, from, from + fifth));
+        DPL_RETURN_IF_ERROR(solve(problem, what, 40, from, from + fifth));
     }
-    DPL_CHECK_OK(fitHeldOutMoving(Split::Validation, from + fifth, from + 3 * fifth));
+    DPL_RETURN_IF_ERROR(fitHeldOutMoving(Split::Validation, from + fifth, from + 3 * fifth));
     return fitHeldOutMoving(Split::Test, from + 3 * fifth, to);
 }
 
@@ -385,13 +385,13 @@ Result<BodyFit> BodyFitter::run() {
     if (known < kMinKeypoints)
         return fail(Code::InvalidArgument, "body '{}' has {} of the scan's keypoints; name its joints so that a humanoid can be recognised",
                     body_.name, known);
-    DPL_CHECK_OK(start());
-    DPL_CHECK_OK(fitStill(0.0, 0.3));
-    DPL_CHECK_OK(refineShape(0.3, 0.4));
+    DPL_RETURN_IF_ERROR(start());
+    DPL_RETURN_IF_ERROR(fitStill(0.0, 0.3));
+    DPL_RETURN_IF_ERROR(refineShape(0.3, 0.4));
     findLandmarks();
     detectorNoise_ = detectorNoise();
-    DPL_CHECK_OK(fitMoving(0.4, 0.9));
-    DPL_CHECK_OK(fitUntrained(0.9, 1.0));
+    DPL_RETURN_IF_ERROR(fitMoving(0.4, 0.9));
+    DPL_RETURN_IF_ERROR(fitUntrained(0.9, 1.0));
     return collect();
 }
 
@@ -403,7 +403,7 @@ Camerad metricCamera(const Camerad& camera, double metresPerUnit) {
 
 Result<BodyFit> fitBody(const BodyModel& body, const Scan& scan, std::span<const std::vector<Keypoint>> keypoints,
                         const BodyFitSettings& settings) {
-    DPL_CHECK_OK(checkBody(body));
+    DPL_RETURN_IF_ERROR(checkBody(body));
     if (keypoints.size() != scan.frames.size())
         return fail(Code::InvalidArgument, "{} keypoint lists for {} frames", keypoints.size(), scan.frames.size());
     for (size_t f = 0; f < keypoints.size(); ++f) {

@@ -44,8 +44,8 @@ Status BodyFitter::trackMoving(const std::vector<size_t>& order, double from, do
         problem.AddResidualBlock(new DiagonalPrior(std::vector<double>(s.root, s.root + kRootSize),
                                                    {kTrackStepRad, kTrackStepRad, kTrackStepRad, kTrackStepM, kTrackStepM, kTrackStepM}),
                                  nullptr, s.root);
-        DPL_CHECK_OK(solve(problem, "moving frames: first guess", 25, from + (to - from) * double(i) / double(order.size()),
-                           from + (to - from) * double(i + 1) / double(order.size())));
+        DPL_RETURN_IF_ERROR(solve(problem, "moving frames: first guess", 25, from + (to - from) * double(i) / double(order.size()),
+                                  from + (to - from) * double(i + 1) / double(order.size())));
         if (solves_.size() > 1 && solves_[solves_.size() - 2].what == solves_.back().what) {  // merge the frames of a track into one entry
             SolveEnd& total = solves_[solves_.size() - 2];
             total.steps += solves_.back().steps, total.costBefore += solves_.back().costBefore, total.costAfter += solves_.back().costAfter,
@@ -105,14 +105,14 @@ Status BodyFitter::fitMoving(double from, double to) {
         restore(start);
         std::vector<size_t> track = order;
         if (backwards) std::reverse(track.begin(), track.end());
-        DPL_CHECK_OK(trackMoving(track, done, done + part));
+        DPL_RETURN_IF_ERROR(trackMoving(track, done, done + part));
         done += part;
-        DPL_CHECK_OK(together("moving frames: together, loose", true, 12));
+        DPL_RETURN_IF_ERROR(together("moving frames: together, loose", true, 12));
         double last = std::numeric_limits<double>::infinity();
         for (int round = 0; round < kUntangleRounds; ++round) {
             untangleMoving(order, [](size_t) { return true; });
-            DPL_CHECK_OK(together("moving frames: limbs untangled", true, 50));
-            DPL_CHECK_OK(together("moving frames: together", false, 50));
+            DPL_RETURN_IF_ERROR(together("moving frames: limbs untangled", true, 50));
+            DPL_RETURN_IF_ERROR(together("moving frames: together", false, 50));
             const double cost = solves_.back().costAfter;
             if (!best || cost < best->cost) best = Best{frames_, shape_, logUnit_, cost};
             if (cost >= last * (1 - 1e-4)) break;
@@ -156,8 +156,8 @@ Status BodyFitter::fitHeldOutMoving(Split split, double from, double to) {
                 for (double* block : {frames_[g].root, frames_[g].pose.data()})
                     if (problem.HasParameterBlock(block)) problem.SetParameterBlockConstant(block);
         const double half = 0.5 * (to - from);
-        DPL_CHECK_OK(solve(problem, round == 0 ? "untrained moving frames, loose" : "untrained moving frames", 40, from + half * round,
-                           from + half * (round + 1)));
+        DPL_RETURN_IF_ERROR(solve(problem, round == 0 ? "untrained moving frames, loose" : "untrained moving frames", 40,
+                                  from + half * round, from + half * (round + 1)));
     }
     return {};
 }

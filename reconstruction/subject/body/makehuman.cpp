@@ -213,7 +213,7 @@ Result<BodyModel> importMakeHuman(const fs::path& folder, const MakeHumanOptions
 
     std::vector<Vec3f> positions(sourceCount);
     for (size_t v = 0; v < sourceCount; ++v) positions[v] = kMetresPerDm * source.positionsDm[v];
-    for (const TargetPair& t : kNeutral) DPL_CHECK_OK(addTarget(root, t.positive, t.weight, positions));
+    for (const TargetPair& t : kNeutral) DPL_RETURN_IF_ERROR(addTarget(root, t.positive, t.weight, positions));
     const std::vector<uint32_t> soles = soleVertices(positions);
     const float ground = meanOf(positions, soles).y;
     for (Vec3f& p : positions) p.y -= ground;
@@ -257,14 +257,14 @@ Result<BodyModel> importMakeHuman(const fs::path& folder, const MakeHumanOptions
         body.joints.push_back({bone.name, findJoint(body.joints, bone.parent), meanOf(positions, bone.headVertices), ""});
     }
     assignHumanoidBones(body.joints);
-    DPL_CHECK_OK(addSkin(rig, jointOfBone, body));
+    DPL_RETURN_IF_ERROR(addSkin(rig, jointOfBone, body));
     addKeypoints(source, positions, body);
 
     for (const MorphRecipe& recipe : recipes()) {
         std::vector<Vec3f> offsets(sourceCount, Vec3f(0));
         for (const TargetPair& pair : recipe.pairs) {
-            DPL_CHECK_OK(addTarget(root, pair.positive, 0.5f * recipe.scale * pair.weight, offsets));
-            DPL_CHECK_OK(addTarget(root, pair.negative, -0.5f * recipe.scale * pair.weight, offsets));
+            DPL_RETURN_IF_ERROR(addTarget(root, pair.positive, 0.5f * recipe.scale * pair.weight, offsets));
+            DPL_RETURN_IF_ERROR(addTarget(root, pair.negative, -0.5f * recipe.scale * pair.weight, offsets));
         }
         const float lift = meanOf(offsets, soles).y;  // keep the feet on the floor
         for (Vec3f& o : offsets) o.y -= lift;
@@ -272,7 +272,7 @@ Result<BodyModel> importMakeHuman(const fs::path& folder, const MakeHumanOptions
         for (const uint32_t b : boneOfJoint) morph.jointOffsets.push_back(meanOf(offsets, rig.bones[b].headVertices));
         body.morphs.push_back(std::move(morph));
     }
-    DPL_CHECK_OK(checkBody(body));
+    DPL_RETURN_IF_ERROR(checkBody(body));
     return body;
 }
 

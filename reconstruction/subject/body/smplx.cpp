@@ -126,7 +126,7 @@ Result<BodyModel> importSmplx(const std::filesystem::path& path, const SmplxOpti
         body.morphs.push_back(std::move(morph));
     }
     body.keypoints = deriveKeypoints(body);
-    DPL_CHECK_OK(checkBody(body));
+    DPL_RETURN_IF_ERROR(checkBody(body));
     return body;
 }
 

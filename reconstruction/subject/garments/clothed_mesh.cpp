@@ -39,15 +39,15 @@ Status checkView(const GarmentInput& input, const GarmentView& view, size_t i) {
 Status checkInput(const GarmentInput& input) {
     const size_t count = input.body.restPositions.size();
     if (count == 0 || input.body.triangles.empty()) return fail(Code::InvalidArgument, "the body to dress is empty");
-    DPL_CHECK_OK(checkRig(input.joints));
-    DPL_CHECK_OK(checkMesh(input.body, input.joints.size()));
-    DPL_CHECK_OK(checkFinite(input.body));
+    DPL_RETURN_IF_ERROR(checkRig(input.joints));
+    DPL_RETURN_IF_ERROR(checkMesh(input.body, input.joints.size()));
+    DPL_RETURN_IF_ERROR(checkFinite(input.body));
     if (input.bodyOffsets.size() != count)
         return fail(Code::InvalidArgument, "{} offsets for {} vertices of the body", input.bodyOffsets.size(), count);
     for (const Vec3f& o : input.bodyOffsets)
         if (!std::isfinite(o.x + o.y + o.z)) return fail(Code::InvalidArgument, "an offset of the body is not finite");
     for (const auto views : {input.views, input.moving})
-        for (size_t i = 0; i < views.size(); ++i) DPL_CHECK_OK(checkView(input, views[i], i));
+        for (size_t i = 0; i < views.size(); ++i) DPL_RETURN_IF_ERROR(checkView(input, views[i], i));
     return {};
 }
 
@@ -127,8 +127,8 @@ Result<Outside> outsideOf(SurfaceMesh hull, const ScalarField& field, const Clos
     return out;
 }
 
-Result<const WornGarment*> wornOf(Outside& outside, const GarmentPiece& piece, const GarmentInput& input, const StillBody& body,
-                                  Jobs& jobs) {
+Result<const WornGarment*> garmentAsWorn(Outside& outside, const GarmentPiece& piece, const GarmentInput& input, const StillBody& body,
+                                         Jobs& jobs) {
     if (const auto known = outside.worn.find(piece.column); known != outside.worn.end()) return &known->second;
     const auto [mesh, below] = withArmsApart(piece.mesh, input.body, input.joints, body.posed);
     DPL_TRY(ClothWeights weights, clothWeights(mesh, below, input.body, input.joints, body.worldFromRest, jobs));
@@ -181,8 +181,8 @@ Result<std::vector<LegDecision>> partLegs(const GarmentInput& input, const Still
         const auto other = std::find_if(parted.taken.pieces.begin(), parted.taken.pieces.end(),
                                         [&](const GarmentPiece& piece) { return piece.column == joined.column; });
         if (other != parted.taken.pieces.end()) {
-            DPL_TRY(const WornGarment* one, wornOf(outside, joined, input, body, jobs));
-            DPL_TRY(const WornGarment* two, wornOf(parted, *other, input, body, jobs));
+            DPL_TRY(const WornGarment* one, garmentAsWorn(outside, joined, input, body, jobs));
+            DPL_TRY(const WornGarment* two, garmentAsWorn(parted, *other, input, body, jobs));
             decisions.back().seen = betweenLegs(one->mesh, gap.between(one->still, one->mesh.triangles), two->mesh, label.value,
                                                 labels[0].value, input.joints, input.moving, jobs);
         }
@@ -219,7 +219,7 @@ void separateLayers(MeshData& mesh) {
 }
 
 Result<GarmentFit> makeClothedMesh(const GarmentInput& input, const std::function<bool(double)>& progress, Jobs& jobs) {
-    DPL_CHECK_OK(checkInput(input));
+    DPL_RETURN_IF_ERROR(checkInput(input));
     const auto report = [&](double fraction) -> Status {
         if (progress && !progress(fraction)) return fail(Code::Cancelled, "the making of garments was cancelled");
         return {};
@@ -254,16 +254,16 @@ Result<GarmentFit> makeClothedMesh(const GarmentInput& input, const std::functio
     const auto meshed = [&](const ScalarField& of) { return meshHull(of, low - margin, high + margin, {}, jobs); };
     SurfaceMesh hull = field.empty() ? SurfaceMesh{} : meshed(hullField);
     if (hull.triangles.empty()) return oneLayer("the masks of the still pictures have no common shape");
-    DPL_CHECK_OK(report(0.3));
+    DPL_RETURN_IF_ERROR(report(0.3));
     fit.hullIou = meanIou(hull, input, body.still, jobs);
     const ClosestSurface fitted(body.posed, input.body.triangles);
     DPL_TRY(Outside outside, outsideOf(std::move(hull), hullField, fitted, input, body, jobs));
-    DPL_CHECK_OK(report(0.5));
+    DPL_RETURN_IF_ERROR(report(0.5));
     DPL_TRY(fit.legs, partLegs(input, body, fitted, hullField, meshed, outside, jobs));
     GarmentPieces& taken = outside.taken;
     fit.decisions = std::move(taken.decisions);
     if (taken.pieces.empty()) return oneLayer("no label is worth a layer of its own");
-    DPL_CHECK_OK(report(0.7));
+    DPL_RETURN_IF_ERROR(report(0.7));
 
     // The body: offsets where skin was seen, then below the garments.
     DPL_TRY(const std::vector<float> skinSeen, skinShare(input, body, jobs));
@@ -279,12 +279,12 @@ Result<GarmentFit> makeClothedMesh(const GarmentInput& input, const std::functio
         if (std::abs(glm::determinant(linear)) > 0.05f) offsets[v] += glm::inverse(linear) * push[v];
     }
     fit.clothed = bodyLayer(input, offsets);
-    DPL_CHECK_OK(report(0.8));
+    DPL_RETURN_IF_ERROR(report(0.8));
 
     size_t vertices = 0, inside = 0;
     const ClosestSurface restBody(fit.clothed.mesh.restPositions, input.body.triangles);
     for (const GarmentPiece& piece : taken.pieces) {
-        DPL_TRY(const WornGarment* garment, wornOf(outside, piece, input, body, jobs));
+        DPL_TRY(const WornGarment* garment, garmentAsWorn(outside, piece, input, body, jobs));
         for (const Vec3f& p : garment->mesh.restPositions) inside += restBody.signedDistance(p, 0.1f) < 0;
         vertices += garment->mesh.restPositions.size();
         fit.largestWeightStep = std::max(fit.largestWeightStep, garment->largestWeightStep);
@@ -292,7 +292,7 @@ Result<GarmentFit> makeClothedMesh(const GarmentInput& input, const std::functio
     }
     fit.insideBody = double(inside) / double(vertices);
     separateLayers(fit.clothed.mesh);
-    DPL_CHECK_OK(checkFinite(fit.clothed.mesh));
+    DPL_RETURN_IF_ERROR(checkFinite(fit.clothed.mesh));
     fit.summary = formatText("{} layers beside the body", taken.pieces.size());
     for (const LegDecision& legs : fit.legs)
         if (legs.seen.parted()) fit.summary += formatText("; {} has two legs", legs.name);

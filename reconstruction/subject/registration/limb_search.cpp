@@ -34,7 +34,7 @@ Result<SolveEnd> solveWindow(FramePoses& poses, Split split, PictureRounds& pict
                              const std::function<Status()>& goOn) {
     SolveEnd end;
     for (int round = 0; round < kRounds; ++round) {
-        DPL_CHECK_OK(goOn());
+        DPL_RETURN_IF_ERROR(goOn());
         pictures.look(poses, window);
         ceres::Problem problem;
         poses.addTerms(problem, split);

@@ -59,7 +59,7 @@ Status checkInput(const RegisterInput& input) {
         if (frame.picture &&
             (frame.picture->image.widthPx != frame.camera.widthPx || frame.picture->image.heightPx != frame.camera.heightPx))
             return fail(Code::InvalidArgument, "a picture has not the size of its camera");
-        DPL_CHECK_OK(checkPose(input.body->joints, frame.pose));
+        DPL_RETURN_IF_ERROR(checkPose(input.body->joints, frame.pose));
     }
     return {};
 }
@@ -67,7 +67,7 @@ Status checkInput(const RegisterInput& input) {
 }  // namespace
 
 Result<Registration> registerFrames(const RegisterInput& given, const RegisterSettings& settings, Jobs& jobs) {
-    DPL_CHECK_OK(checkInput(given));
+    DPL_RETURN_IF_ERROR(checkInput(given));
     ReducedFrames reduced;
     const RegisterInput input = reduced.reduce(given, jobs);
     FramePoses poses(input);
@@ -106,7 +106,7 @@ Result<Registration> registerFrames(const RegisterInput& given, const RegisterSe
     for (size_t level = 0; level < settings.blursPx.size() && !shown.empty(); ++level) {
         const double blurPx = settings.blursPx[level];
         for (int round = 0; round < settings.roundsPerBlur; ++round) {
-            DPL_CHECK_OK(tell(fraction(double(done++)), formatText("pictures at a blur of {} px", blurPx)));
+            DPL_RETURN_IF_ERROR(tell(fraction(double(done++)), formatText("pictures at a blur of {} px", blurPx)));
             pictures.start(poses, blurPx);
             ceres::Problem problem;
             poses.addTerms(problem, Split::Train);
@@ -116,7 +116,7 @@ Result<Registration> registerFrames(const RegisterInput& given, const RegisterSe
             if (done == rounds) keepPrecisions(problem, Split::Train);
         }
         if (level != searchLevel) continue;
-        DPL_CHECK_OK(search(Split::Train, fraction(double(done)), fraction(double(done) + searchRounds)));
+        DPL_RETURN_IF_ERROR(search(Split::Train, fraction(double(done)), fraction(double(done) + searchRounds)));
         searched = searchRounds;
     }
     if (shown.empty()) {
@@ -126,7 +126,7 @@ Result<Registration> registerFrames(const RegisterInput& given, const RegisterSe
         result.solves.push_back(std::move(end));
         keepPrecisions(problem, Split::Train);
     }
-    DPL_CHECK_OK(tell(0.9, "held-out frames"));
+    DPL_RETURN_IF_ERROR(tell(0.9, "held-out frames"));
     for (const Split split : {Split::Validation, Split::Test}) {
         ceres::Problem problem;
         if (poses.hasMoving(split)) {
@@ -134,7 +134,7 @@ Result<Registration> registerFrames(const RegisterInput& given, const RegisterSe
             const char* what = split == Split::Test ? "held-out moving frames" : "validation moving frames";
             DPL_TRY(SolveEnd end, poses.solve(problem, what, 30));
             result.solves.push_back(std::move(end));
-            DPL_CHECK_OK(search(split, split == Split::Test ? 0.95 : 0.9, split == Split::Test ? 1.0 : 0.95));
+            DPL_RETURN_IF_ERROR(search(split, split == Split::Test ? 0.95 : 0.9, split == Split::Test ? 1.0 : 0.95));
         }
         keepPrecisions(problem, split);
     }

@@ -97,18 +97,19 @@ Status writeFrame(const fs::path& folder, const Subject& subject, const PlannedF
     ray.seed = mixBits(o.seed ^ mixBits(index));
     ray.gain = std::exp(o.exposureSpread * Random(o.seed, 90000 + index).normal());
     const RaycastFrame picture = tracer.render(frame.camera, ray);
-    DPL_CHECK_OK(writeColours(folder / "images" / (frame.name + ".jpg"), picture, o.widthPx, o.heightPx, o.jpegQuality));
-    DPL_CHECK_OK(writeGrey(folder / "masks" / (frame.name + ".png"), picture.mask, o.widthPx, o.heightPx));
-    DPL_CHECK_OK(writeGrey(folder / "labels" / (frame.name + ".png"), picture.labels, o.widthPx, o.heightPx));
+    DPL_RETURN_IF_ERROR(writeColours(folder / "images" / (frame.name + ".jpg"), picture, o.widthPx, o.heightPx, o.jpegQuality));
+    DPL_RETURN_IF_ERROR(writeGrey(folder / "masks" / (frame.name + ".png"), picture.mask, o.widthPx, o.heightPx));
+    DPL_RETURN_IF_ERROR(writeGrey(folder / "labels" / (frame.name + ".png"), picture.labels, o.widthPx, o.heightPx));
     if (frame.keepFine) {
         const Camerad camera = frame.camera.scaled(kFineScale);
         const RaycastFrame fine = tracer.render(camera, ray);
-        DPL_CHECK_OK(writeColours(folder / kFineFolder / (frame.name + ".jpg"), fine, camera.widthPx, camera.heightPx, o.jpegQuality));
-        DPL_CHECK_OK(writeGrey(folder / kFineFolder / (frame.name + ".mask.png"), fine.mask, camera.widthPx, camera.heightPx));
+        DPL_RETURN_IF_ERROR(
+            writeColours(folder / kFineFolder / (frame.name + ".jpg"), fine, camera.widthPx, camera.heightPx, o.jpegQuality));
+        DPL_RETURN_IF_ERROR(writeGrey(folder / kFineFolder / (frame.name + ".mask.png"), fine.mask, camera.widthPx, camera.heightPx));
     }
     const auto seen = observe(subject, tracer, frame.camera, keypoints, o.seed, index);
-    DPL_CHECK_OK(writeText(folder / "keypoints" / (frame.name + ".json"), keypointsJson(subject, frame, seen)));
-    if (frame.keepPosed) DPL_CHECK_OK(writeFile(folder / "posed" / (frame.name + ".bin"), posedBin(vertices)));
+    DPL_RETURN_IF_ERROR(writeText(folder / "keypoints" / (frame.name + ".json"), keypointsJson(subject, frame, seen)));
+    if (frame.keepPosed) DPL_RETURN_IF_ERROR(writeFile(folder / "posed" / (frame.name + ".bin"), posedBin(vertices)));
     return {};
 }
 
@@ -141,9 +142,9 @@ Status writeAll(const fs::path& folder, const SampleScanOptions& o, Jobs& jobs, 
     for (const Status& result : results)
         if (!result) return result.error();
     if (cancelled) return fail(Code::Cancelled, "the sample scan was stopped after {} of {} frames", done, frames.size());
-    DPL_CHECK_OK(writeFile(folder / "geometry" / "template.ply", templatePly(subject)));
-    DPL_CHECK_OK(writeFile(folder / "geometry" / "weights.bin", weightsBin(subject)));
-    DPL_CHECK_OK(writeText(folder / "truth.json", truthJson(subject, frames, keypoints)));
+    DPL_RETURN_IF_ERROR(writeFile(folder / "geometry" / "template.ply", templatePly(subject)));
+    DPL_RETURN_IF_ERROR(writeFile(folder / "geometry" / "weights.bin", weightsBin(subject)));
+    DPL_RETURN_IF_ERROR(writeText(folder / "truth.json", truthJson(subject, frames, keypoints)));
     return writeText(folder / "scan.json", scanJson(subject, frames, o));
 }
 

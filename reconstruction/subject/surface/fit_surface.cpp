@@ -35,8 +35,8 @@ Status checkInput(const MeshData& mesh, std::span<const JointData> joints, std::
                   std::span<const SurfaceView> views) {
     const size_t count = mesh.restPositions.size();
     if (count == 0 || mesh.triangles.empty()) return fail(Code::InvalidArgument, "the mesh to fit is empty");
-    DPL_CHECK_OK(checkMesh(mesh, joints.size()));
-    DPL_CHECK_OK(checkFinite(mesh));
+    DPL_RETURN_IF_ERROR(checkMesh(mesh, joints.size()));
+    DPL_RETURN_IF_ERROR(checkFinite(mesh));
     if (!offsets.empty() && offsets.size() != count)
         return fail(Code::InvalidArgument, "{} offsets for {} vertices", offsets.size(), count);
     for (size_t i = 0; i < views.size(); ++i) {
@@ -45,7 +45,7 @@ Status checkInput(const MeshData& mesh, std::span<const JointData> joints, std::
             view.mask.pixels.size() != size_t(view.mask.widthPx) * view.mask.heightPx)
             return fail(Code::InvalidArgument, "the mask of view {} is {} x {}, its camera {} x {}", i, view.mask.widthPx,
                         view.mask.heightPx, view.camera.widthPx, view.camera.heightPx);
-        DPL_CHECK_OK(checkPose(joints, view.pose));
+        DPL_RETURN_IF_ERROR(checkPose(joints, view.pose));
     }
     return {};
 }
@@ -295,7 +295,7 @@ private:
 
 Result<std::vector<double>> surfaceIou(const MeshData& mesh, std::span<const JointData> joints, std::span<const Vec3f> restOffsets,
                                        std::span<const SurfaceView> views, Jobs& jobs) {
-    DPL_CHECK_OK(checkInput(mesh, joints, restOffsets, views));
+    DPL_RETURN_IF_ERROR(checkInput(mesh, joints, restOffsets, views));
     std::vector<Pose> poses;
     for (const auto& view : views) poses.push_back(view.pose);
     return posedIou(mesh, joints, restOffsets, views, poses, jobs);
@@ -310,7 +310,7 @@ Result<SurfaceFit> fitSurface(const MeshData& mesh, std::span<const JointData> j
     if (!sane)
         return fail(Code::InvalidArgument,
                     "surface fit settings: levels, rounds and lengths must be above 0, and the first smoothing the longest");
-    DPL_CHECK_OK(checkInput(mesh, joints, {}, views));
+    DPL_RETURN_IF_ERROR(checkInput(mesh, joints, {}, views));
     return Fitter(mesh, joints, views, settings, jobs).run();
 }
 

@@ -111,7 +111,7 @@ Result<PoseCorrectiveData> correctiveModel(std::span<const JointData> joints, co
     const auto features = Eigen::Index(out.joints.size() * 6), rows = Eigen::Index(poses.size());
     Eigen::MatrixXd samples(rows, features);
     for (Eigen::Index r = 0; r < rows; ++r) {
-        DPL_CHECK_OK(checkPose(joints, poses[size_t(r)]));
+        DPL_RETURN_IF_ERROR(checkPose(joints, poses[size_t(r)]));
         for (size_t j = 0; j < out.joints.size(); ++j) {
             double feature[6];
             correctiveFeature(Quatd(poses[size_t(r)].localRotations[out.joints[j]]), feature);

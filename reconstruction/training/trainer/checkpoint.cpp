@@ -82,19 +82,19 @@ struct FieldReader {
     }
     template <class T>
     Status array(const char* name, std::vector<T>& field, size_t count) {
-        DPL_CHECK_OK(arrayOfAnySize(name, field));
+        DPL_RETURN_IF_ERROR(arrayOfAnySize(name, field));
         if (field.size() != count) return wrongSize(name, field.size(), count);
         return {};
     }
     template <class T>
     Status arrayOrEmpty(const char* name, std::vector<T>& field, size_t count) {
-        DPL_CHECK_OK(arrayOfAnySize(name, field));
+        DPL_RETURN_IF_ERROR(arrayOfAnySize(name, field));
         if (!field.empty() && field.size() != count) return wrongSize(name, field.size(), count);
         return {};
     }
     template <class T>
     Status arrayOfAnySize(const char* name, std::vector<T>& field) {
-        DPL_CHECK_OK(getArray(in, field));
+        DPL_RETURN_IF_ERROR(getArray(in, field));
         return finite(name, field.data(), field.size());
     }
 

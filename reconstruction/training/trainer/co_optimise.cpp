@@ -59,8 +59,8 @@ Status CoOptimiser::State::prepare() {
     const MeshData& m = input.mesh;
     const size_t vertexCount = m.restPositions.size();
     if (vertexCount == 0 || m.triangles.empty()) return fail(Code::InvalidArgument, "the template mesh is empty");
-    DPL_CHECK_OK(checkMesh(m, input.joints.size()));
-    DPL_CHECK_OK(checkFinite(m));
+    DPL_RETURN_IF_ERROR(checkMesh(m, input.joints.size()));
+    DPL_RETURN_IF_ERROR(checkFinite(m));
     if (!input.triangleLabel.empty() && input.triangleLabel.size() != m.triangles.size())
         return fail(Code::InvalidArgument, "{} triangle labels for {} triangles", input.triangleLabel.size(), m.triangles.size());
     if (settings.steps == 0) return fail(Code::InvalidArgument, "a training run needs at least one step");
@@ -70,10 +70,10 @@ Status CoOptimiser::State::prepare() {
         return fail(Code::InvalidArgument, "the schedule needs a level and geometryEvery of at least 1");
     for (uint32_t i = 0; i < input.frames.size(); ++i) {
         const TrainFrame& f = input.frames[i];
-        DPL_CHECK_OK(checkTrainFrame(f));
+        DPL_RETURN_IF_ERROR(checkTrainFrame(f));
         if (auto status = checkPose(input.joints, f.pose); !status)
             return fail(status.error().code, "frame '{}': {}", f.name, status.error().message);
-        DPL_CHECK_OK(checkPrecision(f, input.joints.size()));
+        DPL_RETURN_IF_ERROR(checkPrecision(f, input.joints.size()));
         learned.frames.push_back({.pose = f.pose});
         AdamVector& adam = learned.frames.back().adamPose;
         adam.first.assign(f.precision ? f.precision->size() : 3 * input.joints.size() + 3, 0.0);
@@ -89,8 +89,8 @@ Status CoOptimiser::State::prepare() {
         const float base = std::max(1e-6f, glm::length(e1));
         referenceSizeM.push_back(std::max(0.008f, 0.5f * (base + glm::length(glm::cross(e1, e2)) / base)));
     }
-    DPL_CHECK_OK(checkCorrectives(input.correctives, input.joints.size(), vertexCount));
-    for (const Pose& pose : input.stress) DPL_CHECK_OK(checkPose(input.joints, pose));
+    DPL_RETURN_IF_ERROR(checkCorrectives(input.correctives, input.joints.size(), vertexCount));
+    for (const Pose& pose : input.stress) DPL_RETURN_IF_ERROR(checkPose(input.joints, pose));
     learned.layer.correctives = input.correctives;
     incidence = VertexIncidence(m.triangles, vertexCount);
     meshRegulariser.emplace(m.restPositions, m.triangles);
@@ -107,7 +107,7 @@ Status CoOptimiser::State::prepare() {
 
 Result<std::unique_ptr<CoOptimiser>> CoOptimiser::create(CoOptimiseInput input, const CoOptimiseSettings& settings, Jobs& jobs) {
     auto state = std::make_unique<State>(std::move(input), settings, jobs);
-    DPL_CHECK_OK(state->prepare());
+    DPL_RETURN_IF_ERROR(state->prepare());
     State& s = *state;
     TriangleSight sight = triangleSight(s.input.joints, s.mesh, s.input.triangleLabel, s.input.frames, jobs);
     const std::vector<uint8_t> backs = seenBacks(s.input.joints, s.mesh, posesThatShowBacks(s.input), jobs);
@@ -123,7 +123,7 @@ Result<std::unique_ptr<CoOptimiser>> CoOptimiser::create(CoOptimiseInput input, 
 Result<std::unique_ptr<CoOptimiser>> CoOptimiser::createFrom(CoOptimiseInput input, const SplatData& splats,
                                                              const CoOptimiseSettings& settings, Jobs& jobs) {
     auto state = std::make_unique<State>(std::move(input), settings, jobs);
-    DPL_CHECK_OK(state->prepare());
+    DPL_RETURN_IF_ERROR(state->prepare());
     State& s = *state;
     const size_t n = splats.count();
     if (splats.triangleStart.size() != s.mesh.triangles.size() + 1 || splats.triangleStart.back() != n || splats.phi.size() != n ||
@@ -388,7 +388,7 @@ Status CoOptimiser::run(const std::function<void(const CoOptimiseProgress&)>& pr
     const Learned& now = s.learned;
     for (uint32_t done = 0; now.step < s.settings.steps && done < maxSteps; ++done) {
         if (cancel && cancel->load()) return fail(Code::Cancelled, "training was stopped at step {} of {}", now.step, s.settings.steps);
-        DPL_CHECK_OK(s.stepOnce());
+        DPL_RETURN_IF_ERROR(s.stepOnce());
         if (progress && (now.step % std::max(1u, reportEvery) == 0 || now.step == s.settings.steps)) {
             CoOptimiseProgress p;
             p.step = now.step, p.steps = s.settings.steps, p.splats = now.layer.splats.count();

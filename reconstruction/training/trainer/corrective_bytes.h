@@ -24,11 +24,11 @@ inline Status getCorrectives(Reader& in, PoseCorrectiveData& c) {
     DPL_TRY(c.nodeCount, in.u32());
     DPL_TRY(c.reach, in.value<float>());
     DPL_TRY(c.reachOffModes, in.value<float>());
-    DPL_CHECK_OK(getArray(in, c.joints));
-    DPL_CHECK_OK(getArray(in, c.mean));
-    DPL_CHECK_OK(getArray(in, c.modes));
-    DPL_CHECK_OK(getArray(in, c.nodeIndices));
-    DPL_CHECK_OK(getArray(in, c.nodeWeights));
+    DPL_RETURN_IF_ERROR(getArray(in, c.joints));
+    DPL_RETURN_IF_ERROR(getArray(in, c.mean));
+    DPL_RETURN_IF_ERROR(getArray(in, c.modes));
+    DPL_RETURN_IF_ERROR(getArray(in, c.nodeIndices));
+    DPL_RETURN_IF_ERROR(getArray(in, c.nodeWeights));
     return getArray(in, c.nodes);
 }
 

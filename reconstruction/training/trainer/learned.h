@@ -49,50 +49,50 @@ struct Learned {
 template <class LearnedOrConst, class Visit>
 Status visitLearned(LearnedOrConst& learned, const Learned& shape, Visit& visit) {
     auto& layer = learned.layer;
-    DPL_CHECK_OK(visit.value("step", learned.step));
-    DPL_CHECK_OK(visit.value("SH degree", layer.splats.shDegree));
+    DPL_RETURN_IF_ERROR(visit.value("step", learned.step));
+    DPL_RETURN_IF_ERROR(visit.value("SH degree", layer.splats.shDegree));
     if (layer.splats.shDegree > kMaxShDegree) return fail(Code::CorruptData, "SH degree {}", layer.splats.shDegree);
-    DPL_CHECK_OK(visit.arrayOfAnySize("triangles", layer.splats.triangle));
+    DPL_RETURN_IF_ERROR(visit.arrayOfAnySize("triangles", layer.splats.triangle));
     const size_t splats = layer.splats.triangle.size(), rowFloats = splats * TrainableSplats::strideFor(layer.splats.shDegree);
-    DPL_CHECK_OK(visit.array("flags", layer.splats.flags, splats));
-    DPL_CHECK_OK(visit.array("rows", layer.splats.rows, rowFloats));
-    DPL_CHECK_OK(visit.array("size floors", layer.splats.sizeFloorM, shape.layer.splats.sizeFloorM.size()));
-    DPL_CHECK_OK(visit.array("splats' first moments", layer.adam.first, rowFloats));
-    DPL_CHECK_OK(visit.array("splats' second moments", layer.adam.second, rowFloats));
-    DPL_CHECK_OK(visit.array("splats' steps", layer.adam.steps, splats));
-    DPL_CHECK_OK(visit.array("screen gradients", layer.statistics.gradientSum, splats));
-    DPL_CHECK_OK(visit.array("frames that saw a splat", layer.statistics.seen, splats));
+    DPL_RETURN_IF_ERROR(visit.array("flags", layer.splats.flags, splats));
+    DPL_RETURN_IF_ERROR(visit.array("rows", layer.splats.rows, rowFloats));
+    DPL_RETURN_IF_ERROR(visit.array("size floors", layer.splats.sizeFloorM, shape.layer.splats.sizeFloorM.size()));
+    DPL_RETURN_IF_ERROR(visit.array("splats' first moments", layer.adam.first, rowFloats));
+    DPL_RETURN_IF_ERROR(visit.array("splats' second moments", layer.adam.second, rowFloats));
+    DPL_RETURN_IF_ERROR(visit.array("splats' steps", layer.adam.steps, splats));
+    DPL_RETURN_IF_ERROR(visit.array("screen gradients", layer.statistics.gradientSum, splats));
+    DPL_RETURN_IF_ERROR(visit.array("frames that saw a splat", layer.statistics.seen, splats));
 
-    DPL_CHECK_OK(visit.array("offset parameters", layer.u, shape.layer.u.size()));
-    DPL_CHECK_OK(visit.arrayOrEmpty("offsets' first moments", layer.adamOffsets.first, shape.layer.u.size()));
-    DPL_CHECK_OK(visit.arrayOrEmpty("offsets' second moments", layer.adamOffsets.second, shape.layer.u.size()));
-    DPL_CHECK_OK(visit.value("offsets' steps", layer.adamOffsets.steps));
-    DPL_CHECK_OK(visit.array("rest gradients", layer.restGradientSum, shape.layer.restGradientSum.size()));
-    DPL_CHECK_OK(visit.value("rest gradients' count", layer.restGradientCount));
+    DPL_RETURN_IF_ERROR(visit.array("offset parameters", layer.u, shape.layer.u.size()));
+    DPL_RETURN_IF_ERROR(visit.arrayOrEmpty("offsets' first moments", layer.adamOffsets.first, shape.layer.u.size()));
+    DPL_RETURN_IF_ERROR(visit.arrayOrEmpty("offsets' second moments", layer.adamOffsets.second, shape.layer.u.size()));
+    DPL_RETURN_IF_ERROR(visit.value("offsets' steps", layer.adamOffsets.steps));
+    DPL_RETURN_IF_ERROR(visit.array("rest gradients", layer.restGradientSum, shape.layer.restGradientSum.size()));
+    DPL_RETURN_IF_ERROR(visit.value("rest gradients' count", layer.restGradientCount));
 
-    DPL_CHECK_OK(visit.array("corrective nodes", layer.correctives.nodes, shape.layer.correctives.nodes.size()));
-    DPL_CHECK_OK(visit.array("nodes' first moments", layer.adamNodes.first, shape.layer.adamNodes.first.size()));
-    DPL_CHECK_OK(visit.array("nodes' second moments", layer.adamNodes.second, shape.layer.adamNodes.second.size()));
-    DPL_CHECK_OK(visit.array("nodes' steps", layer.adamNodes.steps, shape.layer.adamNodes.steps.size()));
+    DPL_RETURN_IF_ERROR(visit.array("corrective nodes", layer.correctives.nodes, shape.layer.correctives.nodes.size()));
+    DPL_RETURN_IF_ERROR(visit.array("nodes' first moments", layer.adamNodes.first, shape.layer.adamNodes.first.size()));
+    DPL_RETURN_IF_ERROR(visit.array("nodes' second moments", layer.adamNodes.second, shape.layer.adamNodes.second.size()));
+    DPL_RETURN_IF_ERROR(visit.array("nodes' steps", layer.adamNodes.steps, shape.layer.adamNodes.steps.size()));
 
     for (size_t f = 0; f < learned.frames.size(); ++f) {
         auto& frame = learned.frames[f];
         const size_t joints = shape.frames.front().pose.localRotations.size();
         const size_t poseNumbers = shape.frames[f].adamPose.first.size();
-        DPL_CHECK_OK(visit.array("pose", frame.pose.localRotations, joints));
-        DPL_CHECK_OK(visit.value("root translation", frame.pose.rootTranslation));
-        DPL_CHECK_OK(visit.array("pose's first moments", frame.adamPose.first, poseNumbers));
-        DPL_CHECK_OK(visit.array("pose's second moments", frame.adamPose.second, poseNumbers));
-        DPL_CHECK_OK(visit.value("pose's steps", frame.adamPose.steps));
+        DPL_RETURN_IF_ERROR(visit.array("pose", frame.pose.localRotations, joints));
+        DPL_RETURN_IF_ERROR(visit.value("root translation", frame.pose.rootTranslation));
+        DPL_RETURN_IF_ERROR(visit.array("pose's first moments", frame.adamPose.first, poseNumbers));
+        DPL_RETURN_IF_ERROR(visit.array("pose's second moments", frame.adamPose.second, poseNumbers));
+        DPL_RETURN_IF_ERROR(visit.value("pose's steps", frame.adamPose.steps));
     }
 
-    DPL_CHECK_OK(visit.arrayOfAnySize("curve", learned.curve));
-    DPL_CHECK_OK(visit.value("sum of losses", learned.sums.loss));
-    DPL_CHECK_OK(visit.value("sum of L1", learned.sums.l1));
-    DPL_CHECK_OK(visit.value("sum of SSIM", learned.sums.ssim));
-    DPL_CHECK_OK(visit.value("sum of mask losses", learned.sums.mask));
-    DPL_CHECK_OK(visit.value("sum of squared errors", learned.sums.squaredError));
-    DPL_CHECK_OK(visit.value("squared errors", learned.sums.squaredCount));
+    DPL_RETURN_IF_ERROR(visit.arrayOfAnySize("curve", learned.curve));
+    DPL_RETURN_IF_ERROR(visit.value("sum of losses", learned.sums.loss));
+    DPL_RETURN_IF_ERROR(visit.value("sum of L1", learned.sums.l1));
+    DPL_RETURN_IF_ERROR(visit.value("sum of SSIM", learned.sums.ssim));
+    DPL_RETURN_IF_ERROR(visit.value("sum of mask losses", learned.sums.mask));
+    DPL_RETURN_IF_ERROR(visit.value("sum of squared errors", learned.sums.squaredError));
+    DPL_RETURN_IF_ERROR(visit.value("squared errors", learned.sums.squaredCount));
     return visit.value("summed steps", learned.sums.steps);
 }
 

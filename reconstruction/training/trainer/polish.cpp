@@ -26,15 +26,15 @@ Result<AvatarData> polish(AvatarData avatar, std::vector<uint8_t> triangleLabel,
                           const std::atomic<bool>* cancel) {
     DPL_TRY(auto trainer, CoOptimiser::createFrom(inputOf(avatar, std::move(triangleLabel), std::move(frames)), avatar.splats,
                                                   polishSettings(steps, seed, avatar.splats.shDegree), jobs));
-    DPL_CHECK_OK(trainer->run(progress, cancel));
+    DPL_RETURN_IF_ERROR(trainer->run(progress, cancel));
     avatar.splats = trainer->result().splats;
     return avatar;
 }
 
 Result<PoseFitResult> fitPose(const AvatarData& avatar, const TrainFrame& frame, const PoseFitSettings& settings, Jobs& jobs) {
-    DPL_CHECK_OK(checkTrainFrame(frame));
-    DPL_CHECK_OK(checkPose(avatar.joints, frame.pose));
-    DPL_CHECK_OK(checkPrecision(frame, avatar.joints.size()));
+    DPL_RETURN_IF_ERROR(checkTrainFrame(frame));
+    DPL_RETURN_IF_ERROR(checkPose(avatar.joints, frame.pose));
+    DPL_RETURN_IF_ERROR(checkPrecision(frame, avatar.joints.size()));
     LevelFrame coarse = makeLevelFrame(frame, std::max(0.5f, coarsestScale(frame)), {}, false), fine = makeLevelFrame(frame, 1, {}, true);
     coarse.kappaPx2 = fine.kappaPx2 = avatar.kappaPx2;
     if (!fine.used) return fail(Code::InvalidArgument, "frame '{}': nobody is in its mask, so its pose cannot be fitted", frame.name);

@@ -22,7 +22,7 @@ Result<AvatarData> retrain(AvatarData avatar, std::vector<uint8_t> triangleLabel
                            const std::atomic<bool>* cancel) {
     DPL_TRY(auto trainer,
             CoOptimiser::createFrom(inputOf(avatar, std::move(triangleLabel), std::move(frames)), avatar.splats, settings, jobs));
-    DPL_CHECK_OK(trainer->run(progress, cancel));
+    DPL_RETURN_IF_ERROR(trainer->run(progress, cancel));
     CoOptimiseResult result = trainer->result();
     avatar.splats = std::move(result.splats);
     avatar.mesh.restPositions = std::move(result.restPositions);

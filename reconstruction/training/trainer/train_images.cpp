@@ -76,9 +76,9 @@ Status checkTrainFrame(const TrainFrame& f) {
     if (!f.picture) return fail(Code::InvalidArgument, "frame '{}' has no picture", f.name);
     const ImageRgb8& image = f.picture->image;
     const ImageGrey8 &mask = f.picture->mask, &labels = f.picture->labels;
-    DPL_CHECK_OK(check("image", image.widthPx, image.heightPx, image.pixels.size(), 3));
-    DPL_CHECK_OK(check("mask", mask.widthPx, mask.heightPx, mask.pixels.size(), 1));
-    if (!labels.pixels.empty()) DPL_CHECK_OK(check("label image", labels.widthPx, labels.heightPx, labels.pixels.size(), 1));
+    DPL_RETURN_IF_ERROR(check("image", image.widthPx, image.heightPx, image.pixels.size(), 3));
+    DPL_RETURN_IF_ERROR(check("mask", mask.widthPx, mask.heightPx, mask.pixels.size(), 1));
+    if (!labels.pixels.empty()) DPL_RETURN_IF_ERROR(check("label image", labels.widthPx, labels.heightPx, labels.pixels.size(), 1));
     return {};
 }
 

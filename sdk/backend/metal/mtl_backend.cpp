@@ -67,7 +67,7 @@ MetalBackend::~MetalBackend() {
 Result<std::unique_ptr<MetalBackend>> createBackendOn(std::unique_ptr<Seam> seam, bool lent) {
     DPL_TRY(ShaderPack pack, readShaderPack(embeddedMetalPack(), "the embedded shader pack for Metal", embeddedMetalInterface()));
     auto backend = std::make_unique<MetalBackend>(std::move(seam), std::move(pack), lent);
-    DPL_CHECK_OK(backend->start());
+    DPL_RETURN_IF_ERROR(backend->start());
     return backend;
 }
 

@@ -201,7 +201,7 @@ Status MetalBackend::composeDepth(ComposerId id, uint32_t slot, uint32_t view, i
                                   RenderEncoderRef encoder) {
     DPL_TRY(const Composed composed, composedOf(id, slot, view));
     const PictureDepth written = composed.composer.pass.written;
-    DPL_CHECK_OK(checkDepth(id, written, slot, composed.layers.depths, "DplMetalPass"));
+    DPL_RETURN_IF_ERROR(checkDepth(id, written, slot, composed.layers.depths, "DplMetalPass"));
     const bool mesh = written == PictureDepth::Mesh;
     if (mesh && !composed.layers.mesh) return {};
     gpu::ComposePush push{};

@@ -14,7 +14,7 @@ Result<uint64_t> MetalBackend::queueCopy(BufferId from, uint64_t fromOffset, Buf
         return fail(Code::InvalidArgument, "a copy of {} bytes from {} to {} does not fit the buffers", bytes, fromOffset, toOffset);
     const uint64_t number = copies_.add(source->second.buffer, fromOffset, target->second.buffer, toOffset, bytes);
     target->second.written = true;
-    DPL_CHECK_OK(submitNextCopy());
+    DPL_RETURN_IF_ERROR(submitNextCopy());
     return number;
 }
 
@@ -54,7 +54,7 @@ Result<bool> MetalBackend::hasRun(uint64_t number) {
             copies_.pop();
         }
     }
-    DPL_CHECK_OK(submitNextCopy());
+    DPL_RETURN_IF_ERROR(submitNextCopy());
     const Copies::Copy* copy = copies_.find(number);
     if (!copy) return true;
     // Not by the mark: when the GPU refuses a command buffer, the ones behind it still run, and their marks are greater.
@@ -67,7 +67,7 @@ Status MetalBackend::encodeCopies(uint32_t slot, AppCommands commands, bool ends
     lastEncoded_[slot] = ++encoded_;
     freeRetired();
     // An encoder for each: a copy whose slot was dropped may run twice, and copies of one encoder may overlap.
-    DPL_CHECK_OK(copies_.encodeWith(slot, [&](const Copies::Copy& copy) { return encodeCopy({commands.handle}, copy); }));
+    DPL_RETURN_IF_ERROR(copies_.encodeWith(slot, [&](const Copies::Copy& copy) { return encodeCopy({commands.handle}, copy); }));
     return endsSlot ? markSlot(slot, {commands.handle}) : Status();
 }
 

@@ -165,13 +165,13 @@ Status MetalBackend::Recorder::play(const CopyStep& step) {
 Status MetalBackend::play(const Frame& frame, CommandsRef commands) {
     Recorder recorder(*this, commands);
     for (const RecordedStep& step : frame.steps) {
-        DPL_CHECK_OK(recorder.play(step));
+        DPL_RETURN_IF_ERROR(recorder.play(step));
     }
     return {};
 }
 
 Result<FrameId> MetalBackend::createFrame(std::vector<Step> steps, FrameRun run) {
-    DPL_CHECK_OK(checkFrame(steps, *this, info_));
+    DPL_RETURN_IF_ERROR(checkFrame(steps, *this, info_));
     for (const Step& step : steps)
         if (const auto* draw = std::get_if<DrawStep>(&step)) targets_.at(draw->target.value).drawn = true;
     for (const BufferId id : writtenBy(steps)) buffers_.at(id.value).written = true;
@@ -232,7 +232,7 @@ Status MetalBackend::submit(FrameId id) {
     if (it == frames_.end() || it->second.run != FrameRun::Submitted)
         return fail(Code::InvalidArgument, "the submitted frame does not exist");
     Frame& frame = it->second;
-    DPL_CHECK_OK(waitFor(frame));
+    DPL_RETURN_IF_ERROR(waitFor(frame));
     DPL_TRY(CommandsRef commands, newCommands());
     if (const Status played = play(frame, commands); !played) {
         seam_->release(commands);

@@ -96,7 +96,7 @@ Result<PipelineId> MetalBackend::drawPipeline(const DrawPipelineDesc& desc) {
     p.fragment = pack_.find(desc.fragment + std::string(desc.samples > 1 ? kSamplesSuffix : ""));
     if (!p.shader || !p.fragment) return fail(Code::NotFound, "no shader {} or {} in the pack", desc.vertex, desc.fragment);
     p.primitive = desc.topology == Topology::List ? PrimitiveType::Triangle : PrimitiveType::Strip;
-    DPL_CHECK_OK(makeDraw(p, desc));
+    DPL_RETURN_IF_ERROR(makeDraw(p, desc));
     pipelines_.push_back(std::move(p));
     return PipelineId{uint32_t(pipelines_.size())};
 }

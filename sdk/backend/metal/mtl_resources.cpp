@@ -24,7 +24,7 @@ Result<BufferId> MetalBackend::createBuffer(const BufferDesc& desc) {
     if (desc.bytes == 0) return fail(Code::InvalidArgument, "buffer {} has no bytes", desc.label);
     Buffer b;
     b.desc = desc;
-    DPL_CHECK_OK(makeBuffer(b));
+    DPL_RETURN_IF_ERROR(makeBuffer(b));
     b.born = encoded_;
     buffers_.emplace(++lastId_, std::move(b));
     return BufferId{lastId_};
@@ -44,7 +44,7 @@ Status MetalBackend::write(BufferId id, uint64_t offset, std::span<const std::by
         return fail(Code::InvalidArgument, "a write of {} bytes at {} does not fit the buffer", bytes.size(), offset);
     Buffer staging;
     staging.desc = {"staging", std::min<uint64_t>(std::max<uint64_t>(bytes.size(), 16), kStagingBytes), BufferMemory::Upload};
-    DPL_CHECK_OK(makeBuffer(staging));
+    DPL_RETURN_IF_ERROR(makeBuffer(staging));
     Status status;
     for (size_t done = 0; status && done < bytes.size();) {
         const size_t part = std::min<size_t>(bytes.size() - done, staging.desc.bytes);

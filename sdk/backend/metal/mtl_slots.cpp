@@ -12,8 +12,8 @@ Status MetalBackend::encode(FrameId id, uint32_t slot, AppCommands commands) {
     if (frame.running) ended(frame);
     lastEncoded_[slot] = ++encoded_;
     freeRetired();
-    DPL_CHECK_OK(play(frame, {commands.handle}));
-    DPL_CHECK_OK(markSlot(slot, {commands.handle}));
+    DPL_RETURN_IF_ERROR(play(frame, {commands.handle}));
+    DPL_RETURN_IF_ERROR(markSlot(slot, {commands.handle}));
     frame.running = true;
     frame.slot = slot;
     return {};

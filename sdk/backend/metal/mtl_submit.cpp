@@ -40,9 +40,9 @@ Status MetalBackend::submitTo(ComposerId id, uint32_t slot, const AppSubmission&
         const Status composed = compose(id, slot, i, how.x, how.y, encoder);
         seam_->end(encoder);
         seam_->release(encoder);
-        DPL_CHECK_OK(composed);
+        DPL_RETURN_IF_ERROR(composed);
     }
-    DPL_CHECK_OK(markSlot(slot, commands));
+    DPL_RETURN_IF_ERROR(markSlot(slot, commands));
     if (how.signalEvent) seam_->encodeSignal(commands, how.signalEvent, how.signalValue);
     if (how.drawable) seam_->present(commands, how.drawable);
     seam_->commit(commands);

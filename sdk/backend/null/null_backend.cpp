@@ -72,7 +72,7 @@ public:
     void destroyTarget(TargetId id) override { record_->liveTargets -= targets_.erase(id.value); }
 
     Result<FrameId> createFrame(std::vector<Step> steps, FrameRun) override {
-        DPL_CHECK_OK(checkFrame(steps, *this, info_));
+        DPL_RETURN_IF_ERROR(checkFrame(steps, *this, info_));
         for (const Step& step : steps)
             if (const auto* draw = std::get_if<DrawStep>(&step)) drawn_.insert(draw->target.value);
         for (const BufferId id : writtenBy(steps)) buffers_.at(id.value).written = true;
@@ -88,9 +88,9 @@ public:
     Status submit(FrameId id) override {
         const auto it = frames_.find(id.value);
         if (it == frames_.end()) return fail(Code::InvalidArgument, "the submitted frame does not exist");
-        DPL_CHECK_OK(wait(id));
+        DPL_RETURN_IF_ERROR(wait(id));
         // Refuses a frame whose buffers were destroyed after it was created.
-        DPL_CHECK_OK(checkFrame(it->second, *this, info_));
+        DPL_RETURN_IF_ERROR(checkFrame(it->second, *this, info_));
         record_->lastLabels.clear();
         for (const Step& step : it->second) record_->lastLabels.push_back(stepLabel(step));
         ++record_->runs;

@@ -20,7 +20,7 @@ Status VulkanBackend::start() {
     allocation.commandBufferCount = 1;
     DPL_VK(vk_.vkAllocateCommandBuffers(device_->device, &allocation, &uploadCommands_));
     if (device_->lent) {
-        DPL_CHECK_OK(makeSubmissions());
+        DPL_RETURN_IF_ERROR(makeSubmissions());
         return makeLayerSlots();
     }
     DPL_VK_MAKE(copyFence_, vk_.vkCreateFence(device_->device, &fence, device_->allocator, &copyFence_));
@@ -53,7 +53,7 @@ namespace {
 Result<std::unique_ptr<VulkanBackend>> startBackend(std::unique_ptr<Device> device, ShaderPack pack) {
     device->info.identity += formatText("-{}", pack.contentHash);
     auto backend = std::make_unique<VulkanBackend>(std::move(device), std::move(pack));
-    DPL_CHECK_OK(backend->start());
+    DPL_RETURN_IF_ERROR(backend->start());
     return backend;
 }
 

@@ -33,12 +33,12 @@ bool hasDepth(VkFormat format) {
 /** Makes the layout that all composers share, and a mark and descriptor sets for each slot. */
 Status VulkanBackend::makeLayerSlots() {
     marks_.desc = {"marks", kAppSlots * sizeof(uint32_t), BufferMemory::Readback};
-    DPL_CHECK_OK(makeBuffer(marks_));
+    DPL_RETURN_IF_ERROR(makeBuffer(marks_));
     composeLayout_.shader = pack_.find("compose.vert");
     composeLayout_.fragment = pack_.find("compose.depth");
     if (!composeLayout_.shader || !composeLayout_.fragment) return fail(Code::Internal, "the shader pack has no compose shaders");
     composeLayout_.stages = VK_SHADER_STAGE_FRAGMENT_BIT;
-    DPL_CHECK_OK(makeLayouts(composeLayout_));
+    DPL_RETURN_IF_ERROR(makeLayouts(composeLayout_));
     DPL_TRY(readScene_[0], computePipeline("scene.read"));
     DPL_TRY(readScene_[1], computePipeline("scene.read.four"));
     const VkDescriptorPoolSize sizes[] = {{VK_DESCRIPTOR_TYPE_SAMPLED_IMAGE, (kImages + 1) * kSets},
@@ -299,7 +299,7 @@ Status VulkanBackend::composeDepth(ComposerId id, uint32_t slot, uint32_t view, 
                                    AppCommands commands) {
     DPL_TRY(const Composed composed, composedOf(id, slot, view));
     const PictureDepth written = composed.composer.written;
-    DPL_CHECK_OK(checkDepth(id, written, slot, composed.layers.depths, "DplVulkanPass"));
+    DPL_RETURN_IF_ERROR(checkDepth(id, written, slot, composed.layers.depths, "DplVulkanPass"));
     const bool mesh = written == PictureDepth::Mesh;
     if (mesh && !composed.layers.mesh) return {};
     gpu::ComposePush push{};

@@ -14,7 +14,7 @@ Result<uint64_t> VulkanBackend::queueCopy(BufferId from, uint64_t fromOffset, Bu
         return fail(Code::InvalidArgument, "a copy of {} bytes from {} to {} does not fit the buffers", bytes, fromOffset, toOffset);
     const uint64_t number = copies_.add(source->second.buffer, fromOffset, target->second.buffer, toOffset, bytes);
     target->second.written = true;
-    DPL_CHECK_OK(submitNextCopy());
+    DPL_RETURN_IF_ERROR(submitNextCopy());
     return number;
 }
 
@@ -47,7 +47,7 @@ Result<bool> VulkanBackend::hasRun(uint64_t number) {
         if (status != VK_SUCCESS && status != VK_NOT_READY) return failVk("vkGetFenceStatus", status);
         if (status == VK_SUCCESS) copies_.pop();
     }
-    DPL_CHECK_OK(submitNextCopy());
+    DPL_RETURN_IF_ERROR(submitNextCopy());
     const Copies::Copy* copy = copies_.find(number);
     if (!copy) return true;
     return device_->lent && copy->running && awaited_[copy->slot] != 0 && markOf(copy->slot) == awaited_[copy->slot];
@@ -60,7 +60,7 @@ Status VulkanBackend::encodeCopies(uint32_t slot, AppCommands commands, bool end
     freeRetired();
     const auto buffer = static_cast<VkCommandBuffer>(commands.handle);
     if (copies_.anyToEncode()) barrierBeforeCopies(buffer);  // a copy whose slot was dropped may run twice
-    DPL_CHECK_OK(copies_.encodeWith(slot, [&](const Copies::Copy& copy) {
+    DPL_RETURN_IF_ERROR(copies_.encodeWith(slot, [&](const Copies::Copy& copy) {
         record(buffer, copy);
         return Status();
     }));

@@ -31,7 +31,7 @@ bool hasLayer(const Functions& vk, const char* name) {
 
 Status createInstance(Device& d, bool validation) {
     DPL_TRY(const PFN_vkGetInstanceProcAddr getInstanceProcAddr, findVulkanLoader());
-    DPL_CHECK_OK(d.vk.loadGlobal(getInstanceProcAddr));
+    DPL_RETURN_IF_ERROR(d.vk.loadGlobal(getInstanceProcAddr));
     uint32_t version = VK_API_VERSION_1_0;
     d.vk.vkEnumerateInstanceVersion(&version);
     if (version < VK_API_VERSION_1_1) return fail(Code::Unsupported, "the Vulkan loader is older than 1.1");
@@ -58,7 +58,7 @@ Status createInstance(Device& d, bool validation) {
     if (created != VK_SUCCESS) d.instance = VK_NULL_HANDLE;
     if (created == VK_ERROR_INCOMPATIBLE_DRIVER) return fail(Code::Unsupported, "the Vulkan loader finds no driver");
     if (created != VK_SUCCESS) return failVk("vkCreateInstance", created);
-    DPL_CHECK_OK(d.vk.loadInstance(d.instance));
+    DPL_RETURN_IF_ERROR(d.vk.loadInstance(d.instance));
     if (!validation) return {};
     VkDebugUtilsMessengerCreateInfoEXT messenger{VK_STRUCTURE_TYPE_DEBUG_UTILS_MESSENGER_CREATE_INFO_EXT};
     messenger.messageSeverity = VK_DEBUG_UTILS_MESSAGE_SEVERITY_WARNING_BIT_EXT | VK_DEBUG_UTILS_MESSAGE_SEVERITY_ERROR_BIT_EXT;
@@ -264,7 +264,7 @@ Device::~Device() {
 Result<std::unique_ptr<Device>> openDevice(const VulkanTestOptions& options) {
     auto d = std::make_unique<Device>();
     d->validationMessages = options.validationMessages ? options.validationMessages : std::make_shared<std::atomic<uint32_t>>(0);
-    DPL_CHECK_OK(createInstance(*d, options.enableValidation));
+    DPL_RETURN_IF_ERROR(createInstance(*d, options.enableValidation));
     const std::vector<Candidate> list = candidates(d->vk, d->instance);
     if (list.empty()) return fail(Code::Unsupported, "no Vulkan 1.1 device with graphics and compute; use the software renderer");
     const Candidate* chosen = nullptr;
@@ -299,7 +299,7 @@ Result<std::unique_ptr<Device>> openDevice(const VulkanTestOptions& options) {
     info.queueCreateInfoCount = 1;
     info.pQueueCreateInfos = &queue;
     DPL_VK_MAKE(d->device, d->vk.vkCreateDevice(d->physical, &info, nullptr, &d->device));
-    DPL_CHECK_OK(d->vk.loadDevice(d->device));
+    DPL_RETURN_IF_ERROR(d->vk.loadDevice(d->device));
     d->vk.vkGetDeviceQueue(d->device, d->queueFamily, 0, &d->queue);
     return d;
 }
@@ -321,7 +321,7 @@ Result<std::unique_ptr<Device>> borrowDevice(const AppDevice& app) {
     }
     d->vk.vkGetInstanceProcAddr = getInstanceProcAddr;
     d->instance = app.instance;
-    DPL_CHECK_OK(d->vk.loadInstance(app.instance));
+    DPL_RETURN_IF_ERROR(d->vk.loadInstance(app.instance));
     if (!isRecent(d->vk, app.physical)) return fail(Code::Unsupported, "the app's device is older than Vulkan 1.1");
     const std::vector<VkQueueFamilyProperties> families = familiesOf(d->vk, app.physical);
     if (app.queueFamily >= families.size())
@@ -341,7 +341,7 @@ Result<std::unique_ptr<Device>> borrowDevice(const AppDevice& app) {
     applyQuirks(d->info);
     d->info.texels &= d->info.typedFormats;
     d->device = app.device;
-    DPL_CHECK_OK(d->vk.loadDevice(app.device));
+    DPL_RETURN_IF_ERROR(d->vk.loadDevice(app.device));
     d->queue = app.queue;
     d->lockQueue = app.lockQueue, d->unlockQueue = app.unlockQueue, d->user = app.user;
     if (app.allocator) {
@@ -357,7 +357,7 @@ namespace dpl {
 
 Result<std::vector<DeviceInfo>> listVulkanDevices() {
     vk::Device d;
-    DPL_CHECK_OK(vk::createInstance(d, false));
+    DPL_RETURN_IF_ERROR(vk::createInstance(d, false));
     std::vector<DeviceInfo> list;
     for (const auto& c : vk::candidates(d.vk, d.instance)) list.push_back(c.info);
     return list;

@@ -201,7 +201,7 @@ Result<VkDescriptorSet> VulkanBackend::descriptorSet(const Frame& frame, const P
 
 /** Prepares descriptors, barriers and timestamps of the steps. */
 Status VulkanBackend::prepare(Frame& frame, std::vector<Step> steps) {
-    DPL_CHECK_OK(makeDescriptorPool(frame, steps));
+    DPL_RETURN_IF_ERROR(makeDescriptorPool(frame, steps));
     Hazards hazards;
     frame.steps.reserve(steps.size());
     for (Step& step : steps) {
@@ -241,7 +241,7 @@ Status VulkanBackend::play(const Frame& frame, VkCommandBuffer commands) {
         const RecordedStep& recorded = frame.steps[i];
         if (recorded.barrier) recorder.barrier();
         recorder.descriptors = recorded.descriptors;
-        DPL_CHECK_OK(std::visit(recorder, recorded.step));
+        DPL_RETURN_IF_ERROR(std::visit(recorder, recorded.step));
         stamp(uint32_t(i) + 1);
     }
     return {};
@@ -262,14 +262,14 @@ Status VulkanBackend::record(Frame& frame) {
     VkCommandBufferBeginInfo begin{VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO};
     DPL_VK(vk_.vkBeginCommandBuffer(frame.commandBuffer, &begin));
     Recorder{*this, frame.commandBuffer}.barrier();  // the frame before this one uses the same buffers
-    DPL_CHECK_OK(play(frame, frame.commandBuffer));
+    DPL_RETURN_IF_ERROR(play(frame, frame.commandBuffer));
     DPL_VK(vk_.vkEndCommandBuffer(frame.commandBuffer));
     frame.steps.clear();
     return {};
 }
 
 Result<FrameId> VulkanBackend::createFrame(std::vector<Step> steps, FrameRun run) {
-    DPL_CHECK_OK(checkFrame(steps, *this, device_->info));
+    DPL_RETURN_IF_ERROR(checkFrame(steps, *this, device_->info));
     std::vector<TargetId> drawnTargets;
     for (const Step& step : steps)
         if (const auto* draw = std::get_if<DrawStep>(&step)) drawnTargets.push_back(draw->target);
@@ -301,7 +301,7 @@ Status VulkanBackend::encode(FrameId id, uint32_t slot, AppCommands commands) {
     Recorder recorder{*this, buffer};
     // The frame before this one uses the same buffers, an app's pass may read them, and readScene() may just have written one.
     recorder.barrier(kReaders, kReaders);
-    DPL_CHECK_OK(play(frame, buffer));
+    DPL_RETURN_IF_ERROR(play(frame, buffer));
     markSlot(slot, buffer);
     frame.running = true;
     frame.slot = slot;
@@ -369,7 +369,7 @@ Status VulkanBackend::submit(FrameId id) {
     if (it == frames_.end() || it->second.run != FrameRun::Submitted)
         return fail(Code::InvalidArgument, "the submitted frame does not exist");
     Frame& frame = it->second;
-    DPL_CHECK_OK(waitFor(frame));
+    DPL_RETURN_IF_ERROR(waitFor(frame));
     VkSubmitInfo submit{VK_STRUCTURE_TYPE_SUBMIT_INFO};
     submit.commandBufferCount = 1;
     submit.pCommandBuffers = &frame.commandBuffer;
@@ -398,7 +398,7 @@ Status VulkanBackend::wait(FrameId id) {
 
 Status VulkanBackend::waitFor(Frame& frame) {
     if (!frame.running || frame.run == FrameRun::Encoded) return {};
-    DPL_CHECK_OK(waitFor(frame.fence));
+    DPL_RETURN_IF_ERROR(waitFor(frame.fence));
     ended(frame);
     return {};
 }

@@ -14,7 +14,7 @@ Status Functions::loadGlobal(PFN_vkGetInstanceProcAddr getInstanceProcAddr) {
     vkGetInstanceProcAddr = getInstanceProcAddr;
 #define DPL_VK_LOAD(name)                                                       \
     name = reinterpret_cast<PFN_##name>(vkGetInstanceProcAddr(nullptr, #name)); \
-    DPL_CHECK_OK(need(name != nullptr, #name));
+    DPL_RETURN_IF_ERROR(need(name != nullptr, #name));
     DPL_VK_GLOBAL_FUNCTIONS(DPL_VK_LOAD)
 #undef DPL_VK_LOAD
     return {};
@@ -22,7 +22,7 @@ Status Functions::loadGlobal(PFN_vkGetInstanceProcAddr getInstanceProcAddr) {
 
 Status Functions::loadInstance(VkInstance instance) {
 #define DPL_VK_LOAD(name) name = reinterpret_cast<PFN_##name>(vkGetInstanceProcAddr(instance, #name));
-#define DPL_VK_NEED(name) DPL_CHECK_OK(need(name != nullptr, #name));
+#define DPL_VK_NEED(name) DPL_RETURN_IF_ERROR(need(name != nullptr, #name));
     DPL_VK_INSTANCE_FUNCTIONS(DPL_VK_LOAD)
     DPL_VK_DEBUG_FUNCTIONS(DPL_VK_LOAD)
     DPL_VK_INSTANCE_FUNCTIONS(DPL_VK_NEED)

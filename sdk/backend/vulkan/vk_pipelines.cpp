@@ -117,7 +117,7 @@ Status VulkanBackend::makeLayouts(Pipeline& p) {
 
 Status VulkanBackend::makeCompute(Pipeline& p) {
     p.stages = VK_SHADER_STAGE_COMPUTE_BIT;
-    DPL_CHECK_OK(makeLayouts(p));
+    DPL_RETURN_IF_ERROR(makeLayouts(p));
     VkComputePipelineCreateInfo info{VK_STRUCTURE_TYPE_COMPUTE_PIPELINE_CREATE_INFO};
     info.stage.sType = VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO;
     info.stage.stage = VK_SHADER_STAGE_COMPUTE_BIT;
@@ -135,7 +135,7 @@ Status VulkanBackend::makeDraw(Pipeline& p, const DrawPipelineDesc& desc) {
     if (!fragment.bindings.empty() && fragment.bindings[0].binding != p.shader->bindings.size())
         return fail(Code::Unsupported, "the bindings of {} do not begin after the {} of {}", fragment.name, p.shader->bindings.size(),
                     p.shader->name);
-    DPL_CHECK_OK(makeLayouts(p));
+    DPL_RETURN_IF_ERROR(makeLayouts(p));
     VkPipelineShaderStageCreateInfo stages[2]{};
     stages[0].sType = stages[1].sType = VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO;
     stages[0].stage = VK_SHADER_STAGE_VERTEX_BIT;

@@ -156,18 +156,18 @@ Status VulkanBackend::makeSurface(Surface& s, const Target& t) {
     constexpr VkImageUsageFlags kDrawn = VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT;
     const VkImageUsageFlags read = kDrawn | (t.desc.sampled ? VK_IMAGE_USAGE_SAMPLED_BIT : 0);
     const VkFormat colour = vulkanFormat(t.desc.colour);
-    DPL_CHECK_OK(makeImage(s.colour, colour, t, read));
+    DPL_RETURN_IF_ERROR(makeImage(s.colour, colour, t, read));
     if (t.desc.colour != ColourFormat::Codes8 && !t.desc.sampled) {
-        DPL_CHECK_OK(makeImage(s.rounded, VK_FORMAT_R8G8B8A8_UNORM, t, VK_IMAGE_USAGE_TRANSFER_DST_BIT));
+        DPL_RETURN_IF_ERROR(makeImage(s.rounded, VK_FORMAT_R8G8B8A8_UNORM, t, VK_IMAGE_USAGE_TRANSFER_DST_BIT));
     }
     if (t.desc.depth) {
-        DPL_CHECK_OK(makeImage(s.depth, device_->depthSumFormat, t, read));
+        DPL_RETURN_IF_ERROR(makeImage(s.depth, device_->depthSumFormat, t, read));
     }
     std::vector<VkImageView> views;  // in the order of the attachments in renderPass()
     if (t.desc.samples > 1) {
-        DPL_CHECK_OK(makeImage(s.colourSamples, colour, t, kDrawn, t.desc.samples));
+        DPL_RETURN_IF_ERROR(makeImage(s.colourSamples, colour, t, kDrawn, t.desc.samples));
         if (t.desc.depth) {
-            DPL_CHECK_OK(makeImage(s.depthSamples, device_->depthSumFormat, t, kDrawn, t.desc.samples));
+            DPL_RETURN_IF_ERROR(makeImage(s.depthSamples, device_->depthSumFormat, t, kDrawn, t.desc.samples));
         }
         views.push_back(s.colourSamples.view);
         if (t.desc.depth) views.push_back(s.depthSamples.view);
@@ -200,7 +200,7 @@ Status VulkanBackend::makeTarget(Target& t) {
     t.extent = {t.desc.widthPx, t.desc.heightPx};
     t.surfaces.resize(t.desc.multiview ? 1 : t.desc.views);
     for (Surface& surface : t.surfaces) {
-        DPL_CHECK_OK(makeSurface(surface, t));
+        DPL_RETURN_IF_ERROR(makeSurface(surface, t));
     }
     return {};
 }

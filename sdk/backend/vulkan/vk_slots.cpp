@@ -13,7 +13,7 @@ uint32_t VulkanBackend::markOf(uint32_t slot) const {
 Status VulkanBackend::takeSlot(uint32_t slot) {
     if (slot >= kAppSlots) return fail(Code::InvalidArgument, "slot {} does not exist; there are {}", slot, kAppSlots);
     if (awaited_[slot] != 0 && markOf(slot) != awaited_[slot]) {
-        DPL_CHECK_OK(checkPresent());
+        DPL_RETURN_IF_ERROR(checkPresent());
         return fail(
             Code::InvalidArgument,
             "slot {} is prepared again, but the GPU has not run the commands that were prepared with it; wait for the fence of that "

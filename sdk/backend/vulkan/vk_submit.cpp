@@ -91,7 +91,7 @@ void VulkanBackend::freeAppTarget(AppTarget& target) {
 Status VulkanBackend::destroyAppTarget(AppTargetId id) {
     const auto it = appTargets_.find(id.value);
     if (it == appTargets_.end()) return fail(Code::NotFound, "there is no target {}", id.value);
-    DPL_CHECK_OK(destroyComposer(it->second.composer));
+    DPL_RETURN_IF_ERROR(destroyComposer(it->second.composer));
     retire(std::move(it->second), 0);  // a submission that runs may draw into it
     appTargets_.erase(it);
     return {};
@@ -121,7 +121,7 @@ Status VulkanBackend::submitTo(AppTargetId id, uint32_t slot, VkOffset2D place, 
         vk_.vkCmdBeginRenderPass(commands, &begin, VK_SUBPASS_CONTENTS_INLINE);
         const Status composed = compose(target.composer, slot, i, place, {commands});
         vk_.vkCmdEndRenderPass(commands);
-        DPL_CHECK_OK(composed);
+        DPL_RETURN_IF_ERROR(composed);
     }
     mark(slot, commands);
     DPL_VK(vk_.vkEndCommandBuffer(commands));

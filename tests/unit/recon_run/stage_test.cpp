@@ -47,7 +47,7 @@ TEST_F(Stages, aDamagedOrMissingFileIsMadeAgain) {
     int runs = 0;
     const auto work = [&](StageContext& context) -> Status {
         std::filesystem::create_directories(context.folder / "deep");
-        DPL_CHECK_OK(writeFileAtomically(context.folder / "deep/result", "whole"));
+        DPL_RETURN_IF_ERROR(writeFileAtomically(context.folder / "deep/result", "whole"));
         return ++runs, Status{};
     };
     const auto again = [&] {
@@ -93,7 +93,7 @@ TEST_F(Stages, aDamagedManifestIsNamed) {
 
 TEST_F(Stages, aFailedStageLeavesNoFinishedFolderButKeepsItsCheckpoint) {
     auto failing = [&](StageContext& context) -> Status {
-        DPL_CHECK_OK(writeFileAtomically(context.folder / "checkpoint", "half"));
+        DPL_RETURN_IF_ERROR(writeFileAtomically(context.folder / "checkpoint", "half"));
         return fail(Code::Cancelled, "stopped");
     };
     auto result = runOnce({{"a", 1}}, failing);
@@ -112,7 +112,7 @@ TEST_F(Stages, aFailedStageLeavesNoFinishedFolderButKeepsItsCheckpoint) {
 
 TEST_F(Stages, aCheckpointOfOtherInputsIsDropped) {
     ASSERT_FALSE(runOnce({{"a", 1}}, [&](StageContext& context) -> Status {
-        DPL_CHECK_OK(writeFileAtomically(context.folder / "checkpoint", "half"));
+        DPL_RETURN_IF_ERROR(writeFileAtomically(context.folder / "checkpoint", "half"));
         return fail(Code::Cancelled, "stopped");
     }));
     bool sawCheckpoint = true;

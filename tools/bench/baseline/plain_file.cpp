@@ -29,11 +29,11 @@ Result<PlainFile> PlainFile::open(std::span<const uint8_t> bytes, PlainFill fill
     auto state = std::make_unique<State>(std::move(*backend), fill);
     if (splatFormatOf(bytes) != SplatFormat::None) {
         DPL_TRY(const SplatFile general, readSplats(bytes));
-        DPL_CHECK_OK(state->frame.load(general.splats));
+        DPL_RETURN_IF_ERROR(state->frame.load(general.splats));
     } else {
         DPL_TRY(AvatarData avatar, readAvatar(bytes));
         state->avatar = std::make_shared<const AvatarData>(std::move(avatar));
-        DPL_CHECK_OK(state->frame.load(state->avatar));
+        DPL_RETURN_IF_ERROR(state->frame.load(state->avatar));
     }
     return PlainFile(std::move(state), std::move(name));
 }
@@ -45,7 +45,7 @@ Status PlainFile::draw(std::span<const float> rotations, const Vec3f& rootTransl
         pose.localRotations.emplace_back(rotations[j + 3], rotations[j], rotations[j + 1], rotations[j + 2]);
     pose.rootTranslation = rootTranslation;
     if (state_->avatar) {
-        DPL_CHECK_OK(checkPose(state_->avatar->joints, pose));
+        DPL_RETURN_IF_ERROR(checkPose(state_->avatar->joints, pose));
     }
     return state_->frame.draw(pose, views);
 }

@@ -40,13 +40,13 @@ template <class T>
 Result<BufferId> Frame::upload(const char* label, const std::vector<T>& items) {
     DPL_TRY(BufferId id, makeBuffer(owned_, label, items.size() * sizeof(T)));
     if (!items.empty()) {
-        DPL_CHECK_OK(backend_->write(id, 0, std::as_bytes(std::span(items))));
+        DPL_RETURN_IF_ERROR(backend_->write(id, 0, std::as_bytes(std::span(items))));
     }
     return id;
 }
 
 Status Frame::load(std::shared_ptr<const AvatarData> avatar) {
-    DPL_CHECK_OK(checkFits(*avatar, backend_->info()));
+    DPL_RETURN_IF_ERROR(checkFits(*avatar, backend_->info()));
     const Records records = pack(*avatar);
     const SplatData& splats = avatar->splats;
     splats_ = {splats.count(), splats.shDegree, avatar->kappaPx2, avatar->compensated};
@@ -71,7 +71,7 @@ Status Frame::load(std::shared_ptr<const AvatarData> avatar) {
 }
 
 Status Frame::load(const StaticSplatData& splats) {
-    DPL_CHECK_OK(checkFits(splats, backend_->info()));
+    DPL_RETURN_IF_ERROR(checkFits(splats, backend_->info()));
     splats_ = {splats.count(), splats.shDegree, splats.kappaPx2, splats.compensated};
     const std::vector<GeneralSplatRecord> records = pack(splats);
     avatarBytes_ = splatBytes_ = records.size() * sizeof(GeneralSplatRecord) + splats.sh.size() * sizeof(float);
@@ -148,7 +148,7 @@ Status Frame::addTiles(FramePlan& plan, Eye& eye, uint32_t widthPx, uint32_t hei
     DPL_TRY(t.pixels, makeBuffer(eye.owned, "tile pixels", uint64_t(widthPx) * heightPx * 4));
     DPL_TRY(eye.tileCounts, makeBuffer(eye.owned, "tile counts read back", sizeof(TileCounts), BufferMemory::Readback));
     for (const BufferId id : {t.counts, t.pixels}) {
-        DPL_CHECK_OK(backend_->write(id, 0, std::array<std::byte, 4>{}));
+        DPL_RETURN_IF_ERROR(backend_->write(id, 0, std::array<std::byte, 4>{}));
     }  // the backend refuses to read back a buffer that was never written, so write them once here
     if (splats_.count == 0) {
         plan.fill("tiles.begin", t.counts, 0);
@@ -158,7 +158,7 @@ Status Frame::addTiles(FramePlan& plan, Eye& eye, uint32_t widthPx, uint32_t hei
     DPL_TRY(const TilePlan tiles, planTiles(splats_.count, widthPx, heightPx, backend_->info()));
     DPL_TRY(t.lists, makeBuffer(eye.owned, "tile lists", tiles.listWords * 4));
     DPL_TRY(t.entries, makeBuffer(eye.owned, "tile entries", tiles.push.entryCapacity * 4ull));
-    DPL_CHECK_OK(backend_->write(t.lists, 0, std::array<std::byte, 4>{}));  // as above: the backend requires a first write
+    DPL_RETURN_IF_ERROR(backend_->write(t.lists, 0, std::array<std::byte, 4>{}));  // as above: the backend requires a first write
     plain::addTiles(plan, tiles, splats_.count, buffers_.pairs, buffers_.projected, buffers_.counts, t);
     return {};
 }
@@ -221,9 +221,9 @@ Status Frame::build(Eye& eye, uint32_t widthPx, uint32_t heightPx) {
         addSort(plan, b.counts, b.histogram, b.pairs, b.pairsSwap);
     }
     if (fill_ == PlainFill::Quads) {
-        DPL_CHECK_OK(addQuads(plan, eye, widthPx, heightPx));
+        DPL_RETURN_IF_ERROR(addQuads(plan, eye, widthPx, heightPx));
     } else {
-        DPL_CHECK_OK(addTiles(plan, eye, widthPx, heightPx));
+        DPL_RETURN_IF_ERROR(addTiles(plan, eye, widthPx, heightPx));
     }
     plan.copy("counts", b.counts, eye.finalCounts);
     DPL_TRY(eye.draw, plan.finish());
@@ -277,11 +277,11 @@ Status Frame::draw(const Pose& pose, std::span<const Cameraf> views) {
     }
     for (size_t v = 0; v < views.size(); ++v) {
         Eye& eye = eyes_[v];
-        DPL_CHECK_OK(backend_->wait(eye.draw));
+        DPL_RETURN_IF_ERROR(backend_->wait(eye.draw));
         const FrameData block = packFrame(splats_, views[v]);
         std::memcpy(backend_->mapped(eye.frame).data(), &block, sizeof block);
         if (avatar_ && splats_.count > 0) writePalette(pose, eye.palette);
-        DPL_CHECK_OK(backend_->submit(eye.draw));
+        DPL_RETURN_IF_ERROR(backend_->submit(eye.draw));
     }
     drawn_ = views.size();
     return {};
@@ -291,8 +291,8 @@ Result<std::vector<std::span<const uint8_t>>> Frame::read() {
     if (drawn_ == 0) return fail(Code::InvalidArgument, "nothing was drawn");
     std::vector<std::span<const uint8_t>> pictures;
     for (size_t v = 0; v < drawn_; ++v) {
-        DPL_CHECK_OK(backend_->wait(eyes_[v].draw));  // the draw's times and counts are valid after this
-        DPL_CHECK_OK(backend_->run(eyes_[v].readback));
+        DPL_RETURN_IF_ERROR(backend_->wait(eyes_[v].draw));  // the draw's times and counts are valid after this
+        DPL_RETURN_IF_ERROR(backend_->run(eyes_[v].readback));
         if (fill_ == PlainFill::Tiles) {
             TileCounts counts;
             std::memcpy(&counts, backend_->mapped(eyes_[v].tileCounts).data(), sizeof counts);

@@ -30,15 +30,15 @@ Status checkFits(const AvatarData& avatar, const DeviceInfo& device) {
     const size_t count = avatar.splats.count(), triangles = avatar.mesh.triangles.size(), vertices = avatar.mesh.restPositions.size();
     if (triangles > kTriangleMask)
         return fail(Code::Unsupported, "avatar {}: {} triangles, the plain frame has room for {}", avatar.name, triangles, kTriangleMask);
-    DPL_CHECK_OK(checkBinding("SH coefficients", count, shCoefficientCount(avatar.splats.shDegree) * 3 * sizeof(float), device));
-    DPL_CHECK_OK(checkBinding("projected splats", count, sizeof(ProjectedSplat), device));
-    DPL_CHECK_OK(checkBinding("posed triangles", triangles, sizeof(TriangleFrame), device));
+    DPL_RETURN_IF_ERROR(checkBinding("SH coefficients", count, shCoefficientCount(avatar.splats.shDegree) * 3 * sizeof(float), device));
+    DPL_RETURN_IF_ERROR(checkBinding("projected splats", count, sizeof(ProjectedSplat), device));
+    DPL_RETURN_IF_ERROR(checkBinding("posed triangles", triangles, sizeof(TriangleFrame), device));
     return checkBinding("posed vertices", vertices, avatar.correctives.empty() ? sizeof(VertexRecord) : sizeof(CorrectedVertexRecord),
                         device);
 }
 
 Status checkFits(const StaticSplatData& splats, const DeviceInfo& device) {
-    DPL_CHECK_OK(checkBinding("SH coefficients", splats.count(), shCoefficientCount(splats.shDegree) * 3 * sizeof(float), device));
+    DPL_RETURN_IF_ERROR(checkBinding("SH coefficients", splats.count(), shCoefficientCount(splats.shDegree) * 3 * sizeof(float), device));
     return checkBinding("splats", splats.count(), sizeof(GeneralSplatRecord), device);
 }
 

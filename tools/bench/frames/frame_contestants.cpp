@@ -104,9 +104,9 @@ Result<Contestant> plainContestant(const std::string& renderer, const BenchSubje
     const std::string name = file.name();
     auto drawer = std::make_unique<PlainDrawer>(std::move(file), views);
     if (renderer == kPlainTiles) {  // its lists have a fixed size; draw one frame to see whether they hold this subject
-        DPL_CHECK_OK(drawer->pose(subject.rotations, subject.root));
-        DPL_CHECK_OK(drawer->draw());
-        DPL_CHECK_OK(drawer->read());
+        DPL_RETURN_IF_ERROR(drawer->pose(subject.rotations, subject.root));
+        DPL_RETURN_IF_ERROR(drawer->draw());
+        DPL_RETURN_IF_ERROR(drawer->read());
     }
     return Contestant{name, renderer, "", true, std::move(drawer), loadMilliseconds};
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "reconstruction/training/correctives/pose_stress.h"
+#include "reconstruction/training/correctives/corrective_strain.h"
 
 #include <cmath>
 #include <random>
@@ -31,8 +31,8 @@ Pose randomPose(const AvatarData& avatar, std::mt19937& random) {
 
 }  // namespace
 
-PoseStress poseStress(const AvatarData& avatar, Jobs& jobs) {
-    PoseStress stress;
+CorrectiveStrain correctiveStrain(const AvatarData& avatar, Jobs& jobs) {
+    CorrectiveStrain stress;
     if (avatar.correctives.empty()) return stress;
     const std::vector<RestTriangle<float>> bind = restTriangles(avatar.mesh);
     std::mt19937 random(1);

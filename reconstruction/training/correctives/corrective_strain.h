@@ -8,7 +8,7 @@
 namespace dpl {
 
 /** 99th percentiles over 64 seeded random poses. */
-struct PoseStress {
+struct CorrectiveStrain {
     double offsetMm = 0;       // length of a vertex's corrective offset
     double strainPercent = 0;  // offset difference between an edge's ends, relative to its length: high when cloth tears or crumples
     double lightPercent = 0;   // change of brightness
@@ -16,6 +16,6 @@ struct PoseStress {
 
 /** Rotates every joint that the correctives depend on by up to 60 degrees about a random axis; other joints stay at rest. All zero when the
  *  avatar has no correctives. The avatar must have passed the checks of the avatar reader. */
-PoseStress poseStress(const AvatarData& avatar, Jobs& jobs);
+CorrectiveStrain correctiveStrain(const AvatarData& avatar, Jobs& jobs);
 
 }  // namespace dpl

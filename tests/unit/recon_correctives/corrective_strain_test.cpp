@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "reconstruction/training/correctives/pose_stress.h"
+#include "reconstruction/training/correctives/corrective_strain.h"
 
 #include <gtest/gtest.h>
 
@@ -17,28 +17,28 @@ AvatarData withNodes(const Vec4f& value, bool alternating) {
     return avatar;
 }
 
-TEST(PoseStress, nothingWithoutCorrectives) {
+TEST(CorrectiveStrain, nothingWithoutCorrectives) {
     Jobs jobs(1);
-    const PoseStress stress = poseStress(layeredAvatar(3, 0), jobs);
+    const CorrectiveStrain stress = correctiveStrain(layeredAvatar(3, 0), jobs);
     EXPECT_EQ(stress.offsetMm, 0);
     EXPECT_EQ(stress.strainPercent, 0);
     EXPECT_EQ(stress.lightPercent, 0);
 }
 
-TEST(PoseStress, oneOffsetEverywhereMovesAndDoesNotStrain) {
+TEST(CorrectiveStrain, oneOffsetEverywhereMovesAndDoesNotStrain) {
     Jobs jobs(1);
-    const PoseStress even = poseStress(withNodes({0.01f, 0, 0, 0.1f}, false), jobs),
-                     torn = poseStress(withNodes({0.01f, 0, 0, 0.1f}, true), jobs);
+    const CorrectiveStrain even = correctiveStrain(withNodes({0.01f, 0, 0, 0.1f}, false), jobs),
+                           torn = correctiveStrain(withNodes({0.01f, 0, 0, 0.1f}, true), jobs);
     EXPECT_GT(even.offsetMm, 5);
     EXPECT_LT(even.strainPercent, 1e-2);
     EXPECT_NEAR(even.lightPercent, even.offsetMm, 1e-2 * even.offsetMm) << "10 % of brightness with every 10 mm";
     EXPECT_GT(torn.strainPercent, 10 * even.strainPercent + 1);
 }
 
-TEST(PoseStress, growsWithTheValuesOfTheNodes) {
+TEST(CorrectiveStrain, growsWithTheValuesOfTheNodes) {
     Jobs jobs(2);
-    const PoseStress one = poseStress(withNodes({0, 0.01f, 0, 0.05f}, true), jobs),
-                     two = poseStress(withNodes({0, 0.02f, 0, 0.1f}, true), jobs);
+    const CorrectiveStrain one = correctiveStrain(withNodes({0, 0.01f, 0, 0.05f}, true), jobs),
+                           two = correctiveStrain(withNodes({0, 0.02f, 0, 0.1f}, true), jobs);
     EXPECT_NEAR(two.offsetMm, 2 * one.offsetMm, 1e-3 * two.offsetMm);
     EXPECT_NEAR(two.strainPercent, 2 * one.strainPercent, 1e-3 * two.strainPercent);
 }
