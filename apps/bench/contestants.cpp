@@ -7,7 +7,7 @@
 
 #include "apps/bench/count_allocations.h"
 #include "apps/shared/pictures.h"
-#include "reconstruction/judging/report/sdk_camera.h"
+#include "reconstruction/base/sdk_camera.h"
 #include "reconstruction/output/package/avatar_bytes.h"
 
 namespace dpl {

@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "reconstruction/judging/report/sdk_camera.h"
+#include "reconstruction/base/sdk_camera.h"
 #include "sdk/core/files.h"
 
 namespace dpl {

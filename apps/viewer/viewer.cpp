@@ -10,7 +10,7 @@
 #include "apps/shared/pictures.h"
 #include "apps/viewer/panels.h"
 #include "apps/viewer/room_plan.h"
-#include "reconstruction/judging/report/sdk_camera.h"
+#include "reconstruction/base/sdk_camera.h"
 
 namespace dpl {
 namespace {

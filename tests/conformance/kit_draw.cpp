@@ -4,7 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "reconstruction/base/image_codec.h"
-#include "reconstruction/judging/report/sdk_camera.h"
+#include "reconstruction/base/sdk_camera.h"
 #include "sdk/core/files.h"
 
 namespace dpl {

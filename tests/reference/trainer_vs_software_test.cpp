@@ -4,7 +4,7 @@
 
 #include <doppel/doppel.hpp>
 
-#include "reconstruction/judging/report/sdk_camera.h"
+#include "reconstruction/base/sdk_camera.h"
 #include "reconstruction/training/trainer/frame_pass.h"
 #include "sdk/format/avatar_file.h"
 #include "tests/reference/image_compare.h"

@@ -17,7 +17,7 @@
 
 #include "apps/viewer/room_plan.h"
 #include "reconstruction/base/image_codec.h"
-#include "reconstruction/judging/report/sdk_camera.h"
+#include "reconstruction/base/sdk_camera.h"
 #include "sdk/core/files.h"
 #include "sdk/format/avatar_file.h"
 #include "tests/package/tiny_avatar.h"

@@ -3,7 +3,7 @@
 
 #include <doppel/doppel.hpp>
 
-#include "reconstruction/judging/report/sdk_camera.h"
+#include "reconstruction/base/sdk_camera.h"
 
 namespace dpl {
 namespace {
