@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <fstream>
 
+#include "sdk/format/gltf_mesh.h"
 #include "sdk/format/gltf_splats.h"
 #include "sdk/format/ply.h"
 #include "tests/unit/format/sample_avatars.h"
@@ -41,6 +42,9 @@ int main(int argc, char** argv) {
     dpl::AvatarData mapped = dpl::test::tinyAvatar();
     mapped.captureMap = dpl::test::sampleCaptureMap(mapped.joints.size());
     ok &= save(folder / "capture_map_plain.glb", dpl::writeAvatar(mapped, {.draco = false}));
+    const dpl::AvatarData layered = dpl::test::layeredAvatar(1, 1, 8, 3);
+    const std::vector<dpl::Vec3f> normals(layered.mesh.restPositions.size(), dpl::Vec3f(0, 0, 1));
+    ok &= save(folder / "mesh.glb", dpl::writeGltfMesh(layered, normals));
     ok &= save(folder / "splats.ply", dpl::writePly(splats));
     ok &= save(folder / "splats.glb", dpl::writeGltfSplats(splats));
     return ok ? 0 : 1;

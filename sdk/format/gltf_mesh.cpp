@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "sdk/format/gltf_mesh.h"
+
+#include <cmath>
+
+#include "sdk/format/avatar_check.h"
+#include "sdk/format/skinned_mesh_write.h"
+
+namespace dpl {
+
+Result<std::vector<uint8_t>> writeGltfMesh(const AvatarData& avatar, std::span<const Vec3f> normals) try {
+    constexpr float kUnitError = 1e-4f;  // of a length; a normal in floats has 1e-7
+    DPL_RETURN_IF_ERROR(checkAvatarWithoutSplats(avatar));
+    if (avatar.mesh.layers.empty()) return fail(Code::InvalidArgument, "the avatar has no mesh to write");
+    if (normals.size() != avatar.mesh.restPositions.size())
+        return fail(Code::InvalidArgument, "{} normals for {} vertices", normals.size(), avatar.mesh.restPositions.size());
+    for (size_t v = 0; v < normals.size(); ++v)
+        if (!(std::abs(glm::length(normals[v]) - 1) < kUnitError)) return fail(Code::InvalidArgument, "normal {} is not of unit length", v);
+    AvatarData snapped = avatar;
+    snapAvatar(snapped);
+    GlbBuilder glb;
+    glb.root["asset"] = {{"version", "2.0"}, {"generator", "Doppel"}};
+    glb.root["extensionsUsed"] = Json::array();
+    DPL_RETURN_IF_ERROR(addLayers(glb, snapped, {.draco = false, .normals = normals}));
+    addSkeletonAndClips(glb, snapped);
+    DPL_RETURN_IF_ERROR(checkGlbSize(glb));
+    return glb.finish([](std::string&, std::span<const uint8_t>) {});
+} catch (const std::bad_alloc&) {
+    return outOfMemory("write a mesh");
+} catch (const std::exception& e) {
+    return fail(Code::Internal, "the mesh could not be written: {}", e.what());
+}
+
+}  // namespace dpl

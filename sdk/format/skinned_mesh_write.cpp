@@ -1,0 +1,165 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "sdk/format/skinned_mesh_write.h"
+
+#include <algorithm>
+
+#include "sdk/format/draco_mesh.h"
+#include "sdk/format/vertex_colour.h"
+
+namespace dpl {
+namespace {
+
+Json triple(const Vec3f& v) {
+    return Json::array({v.x, v.y, v.z});
+}
+
+LayerMesh layerMesh(const MeshData& mesh, const LayerData& layer, bool wideJoints) {
+    LayerMesh out;
+    out.wideJoints = wideJoints;
+    auto cut = [&](const auto& values, auto& to) {
+        to.assign(values.begin() + layer.firstVertex, values.begin() + layer.firstVertex + layer.vertexCount);
+    };
+    cut(mesh.restPositions, out.positions), cut(mesh.jointIndices, out.joints), cut(mesh.jointWeights, out.weights);
+    for (uint32_t v = 0; v < layer.vertexCount; ++v) {
+        const glm::u8vec4& c = mesh.colours[layer.firstVertex + v];
+        out.colours.emplace_back(linearFromSrgb8(c.r), linearFromSrgb8(c.g), linearFromSrgb8(c.b), c.a * 257);
+    }
+    for (uint32_t t = 0; t < layer.triangleCount; ++t) out.triangles.push_back(mesh.triangles[layer.firstTriangle + t] - layer.firstVertex);
+    return out;
+}
+
+/** Buffer views of a layer without Draco; -1 if Draco fills the accessors. */
+struct LayerViews {
+    int64_t positions = -1, colours = -1, joints = -1, weights = -1, indices = -1;
+};
+
+LayerViews plainViews(GlbBuilder& glb, const LayerMesh& m) {
+    LayerViews v;
+    v.positions = glb.addView(m.positions, kGltfVertices);
+    v.colours = glb.addView(m.colours, kGltfVertices);
+    if (m.wideJoints) {
+        v.joints = glb.addView(m.joints, kGltfVertices);
+    } else {
+        std::vector<glm::u8vec4> narrow(m.joints.begin(), m.joints.end());
+        v.joints = glb.addView(narrow, kGltfVertices);
+    }
+    v.weights = glb.addView(m.weights, kGltfVertices);
+    v.indices = glb.addView(m.triangles, kGltfIndices);
+    return v;
+}
+
+Status addLayer(GlbBuilder& glb, const MeshData& mesh, const LayerData& layer, bool wideJoints, const LayerOptions& options) {
+    const LayerMesh m = layerMesh(mesh, layer, wideJoints);
+    LayerViews views;
+    Json primitive = {{"mode", 4}, {"material", 0}};
+    if (options.draco) {
+        DPL_TRY(const std::vector<uint8_t> bytes, encodeDraco(m));
+        primitive["extensions"]["KHR_draco_mesh_compression"] = {
+            {"bufferView", glb.addView(bytes)},
+            {"attributes",
+             {{"POSITION", kDracoPosition}, {"COLOR_0", kDracoColour}, {"JOINTS_0", kDracoJoints}, {"WEIGHTS_0", kDracoWeights}}}};
+    } else {
+        views = plainViews(glb, m);
+    }
+    Vec3f low = m.positions.front(), high = low;
+    for (const Vec3f& p : m.positions) low = glm::min(low, p), high = glm::max(high, p);
+    Json& positions = glb.addAccessor(views.positions, kGltfF32, "VEC3", m.positions.size());
+    positions["min"] = triple(low), positions["max"] = triple(high);
+    primitive["attributes"]["POSITION"] = glb.lastAccessor();
+    if (!options.draco && !options.normals.empty()) {
+        const auto normals = options.normals.subspan(layer.firstVertex, layer.vertexCount);
+        glb.addAccessor(glb.addView(std::vector<Vec3f>(normals.begin(), normals.end()), kGltfVertices), kGltfF32, "VEC3", normals.size());
+        primitive["attributes"]["NORMAL"] = glb.lastAccessor();
+    }
+    glb.addAccessor(views.colours, kGltfU16, "VEC4", m.positions.size(), true);
+    primitive["attributes"]["COLOR_0"] = glb.lastAccessor();
+    glb.addAccessor(views.joints, wideJoints ? kGltfU16 : kGltfU8, "VEC4", m.positions.size());
+    primitive["attributes"]["JOINTS_0"] = glb.lastAccessor();
+    glb.addAccessor(views.weights, kGltfU8, "VEC4", m.positions.size(), true);
+    primitive["attributes"]["WEIGHTS_0"] = glb.lastAccessor();
+    glb.addAccessor(views.indices, kGltfU32, "SCALAR", m.triangles.size() * 3);
+    primitive["indices"] = glb.lastAccessor();
+    glb.root["meshes"].push_back({{"name", layer.name}, {"primitives", Json::array({std::move(primitive)})}});
+    return {};
+}
+
+/** Nodes 0..J−1 are the joints, the nodes after them the layers. Layers are root nodes, so that no transform applies to skinned meshes. */
+void addNodesAndSkin(GlbBuilder& glb, const AvatarData& a) {
+    Json nodes = Json::array(), roots = Json::array({0}), joints = Json::array();
+    std::vector<Mat4f> inverseBind;
+    for (size_t j = 0; j < a.joints.size(); ++j) {
+        const JointData& joint = a.joints[j];
+        const Vec3f parent = joint.parent < 0 ? Vec3f(0) : a.joints[joint.parent].restPosition;
+        nodes.push_back({{"name", joint.name}, {"translation", triple(joint.restPosition - parent)}});
+        if (joint.parent >= 0) nodes[joint.parent]["children"].push_back(j);
+        joints.push_back(j);
+        Mat4f bind(1);
+        bind[3] = Vec4f(Vec3f(0) - joint.restPosition, 1);
+        inverseBind.push_back(bind);
+    }
+    for (size_t l = 0; l < a.mesh.layers.size(); ++l) {
+        roots.push_back(nodes.size());
+        nodes.push_back({{"name", a.mesh.layers[l].name}, {"mesh", l}, {"skin", 0}});
+    }
+    glb.root["nodes"] = std::move(nodes);
+    glb.addAccessor(glb.addView(inverseBind), kGltfF32, "MAT4", inverseBind.size());
+    glb.root["skins"] = Json::array({{{"joints", std::move(joints)}, {"skeleton", 0}, {"inverseBindMatrices", glb.lastAccessor()}}});
+    glb.root["scenes"] = Json::array({{{"name", a.name}, {"nodes", std::move(roots)}}});
+    glb.root["scene"] = 0;
+}
+
+void addClip(GlbBuilder& glb, const AvatarData& a, const ClipData& clip) {
+    Json samplers = Json::array(), channels = Json::array();
+    Json& times = glb.addAccessor(glb.addView(clip.timesS), kGltfF32, "SCALAR", clip.timesS.size());
+    times["min"] = Json::array({clip.timesS.front()}), times["max"] = Json::array({clip.timesS.back()});
+    const uint32_t input = glb.lastAccessor();
+    auto add = [&](uint32_t node, const char* path) {
+        channels.push_back({{"sampler", samplers.size()}, {"target", {{"node", node}, {"path", path}}}});
+        samplers.push_back({{"input", input}, {"output", glb.lastAccessor()}, {"interpolation", "LINEAR"}});
+    };
+    for (const ClipChannel& channel : clip.channels) {
+        std::vector<Vec4f> xyzw;
+        for (const Quatf& q : channel.rotations) xyzw.emplace_back(q.x, q.y, q.z, q.w);
+        glb.addAccessor(glb.addView(xyzw), kGltfF32, "VEC4", xyzw.size());
+        add(channel.joint, "rotation");
+    }
+    if (!clip.rootTranslations.empty()) {
+        std::vector<Vec3f> places;
+        for (const Vec3f& t : clip.rootTranslations) places.push_back(t + a.joints[0].restPosition);
+        glb.addAccessor(glb.addView(places), kGltfF32, "VEC3", places.size());
+        add(0, "translation");
+    }
+    glb.root["animations"].push_back({{"name", clip.name}, {"samplers", std::move(samplers)}, {"channels", std::move(channels)}});
+}
+
+}  // namespace
+
+Status addLayers(GlbBuilder& glb, const AvatarData& avatar, const LayerOptions& options) {
+    const MeshData& mesh = avatar.mesh;
+    if (mesh.layers.empty()) return {};
+    // The colours contain the light of the scan, so viewers must not light them again.
+    glb.root["extensionsUsed"].push_back("KHR_materials_unlit");
+    glb.root["materials"] = Json::array({{{"name", "captured"},
+                                          {"doubleSided", true},
+                                          {"pbrMetallicRoughness", {{"metallicFactor", 0}, {"roughnessFactor", 1}}},
+                                          {"extensions", {{"KHR_materials_unlit", Json::object()}}}}});
+    if (options.draco) {
+        glb.root["extensionsUsed"].push_back("KHR_draco_mesh_compression");
+        glb.root["extensionsRequired"] = {"KHR_draco_mesh_compression"};
+    }
+    for (const LayerData& layer : mesh.layers) DPL_RETURN_IF_ERROR(addLayer(glb, mesh, layer, avatar.joints.size() > 256, options));
+    return {};
+}
+
+void addSkeletonAndClips(GlbBuilder& glb, const AvatarData& avatar) {
+    addNodesAndSkin(glb, avatar);
+    for (const ClipData& clip : avatar.clips) addClip(glb, avatar, clip);
+}
+
+Status checkGlbSize(const GlbBuilder& glb) {
+    if (glb.bin().size() > (1ull << 31) - (64u << 20))
+        return fail(Code::Unsupported, "the avatar has {} bytes, more than a .glb that every reader takes", glb.bin().size());
+    return {};
+}
+
+}  // namespace dpl
