@@ -2,7 +2,7 @@
 // Reads a COLMAP sparse model with its image folder. Optional masks are masks/NAME.png or, as COLMAP names them, masks/NAME.EXT.png. Frames
 // named close… are close-ups and frames named dyn… are dynamic, as in avatar-scan folders.
 #include "reconstruction/cameras/colmap_model.h"
-#include "reconstruction/capture/scan_paths.h"
+#include "reconstruction/capture/picture_size.h"
 
 namespace dpl {
 
@@ -38,6 +38,7 @@ Result<Scan> readColmapScan(const fs::path& root, const fs::path& model) {
     scan.splitStated = false;
     std::error_code ignored;
     const fs::path pictures = picturesOf(root);
+    size_t scaled = 0;
     for (auto& image : images) {
         ScanFrame frame;
         frame.name = nameFromPath(image.name);
@@ -54,8 +55,12 @@ Result<Scan> readColmapScan(const fs::path& root, const fs::path& model) {
             frame.kind = FrameKind::Dynamic;
         frame.camera = image.camera;
         frame.lens = image.lens;
+        DPL_TRY(const ImageHeader header, probeImage(frame.imagePath));
+        DPL_TRY(const bool fitted, fitToPicture(frame.camera, header, frame.imagePath, where));
+        scaled += fitted;
         scan.frames.push_back(std::move(frame));
     }
+    noteScaledCameras(scan, scaled);
     DPL_CHECK_OK(finishScan(scan));
     return scan;
 }

@@ -8,8 +8,7 @@
 #include <map>
 
 #include "reconstruction/cameras/camera_convention.h"
-#include "reconstruction/capture/image_file.h"
-#include "reconstruction/capture/scan_paths.h"
+#include "reconstruction/capture/picture_size.h"
 
 namespace dpl {
 
@@ -155,6 +154,7 @@ Result<Scan> parseNerfstudio(const json& manifest, const fs::path& manifestPath,
     if (frames->size() > kMaxFrames)
         return fail(Code::Unsupported, "{}: {} frames, at most {} are read; remove some frames from the scan", file, frames->size(),
                     kMaxFrames);
+    size_t scaled = 0;
     for (size_t i = 0; i < frames->size(); ++i) {
         const json& entry = (*frames)[i];
         const std::string where = formatText("{} frame {}", file, i);
@@ -176,6 +176,8 @@ Result<Scan> parseNerfstudio(const json& manifest, const fs::path& manifestPath,
         const std::string named = formatText("{} ('{}')", where, frame.name);
         DPL_CHECK_OK(checkCamera(frame.camera, named));
         DPL_CHECK_OK(checkDistortion(frame.lens, frame.camera, named));
+        DPL_TRY(const bool fitted, fitToPicture(frame.camera, header, frame.imagePath, named));
+        scaled += fitted;
         if (scan.splitStated) {
             const auto found = splits.find(relative);
             if (found == splits.end())
@@ -185,6 +187,7 @@ Result<Scan> parseNerfstudio(const json& manifest, const fs::path& manifestPath,
         }
         scan.frames.push_back(std::move(frame));
     }
+    noteScaledCameras(scan, scaled);
     return scan;
 }
 

@@ -4,7 +4,6 @@
 //
 // NeRF-synthetic follows the loader of github.com/bmild/nerf (load_blender.py): camera_angle_x in radians, file_path without an extension,
 // OpenGL camera-to-world matrices in Blender's z-up world of arbitrary scale. The alpha channel is the mask.
-#include "reconstruction/capture/image_file.h"
 #include "reconstruction/capture/scan_paths.h"
 #include "reconstruction/import/readers.h"
 
@@ -25,19 +24,6 @@ std::string frameName(FrameKind kind, size_t index) {
     std::string digits = std::to_string(index);
     if (digits.size() < 4) digits.insert(0, 4 - digits.size(), '0');
     return formatText("{}_{}", prefix, digits);
-}
-
-Status fitToPicture(Camerad& camera, const fs::path& image, const std::string& where) {
-    DPL_TRY(const ImageHeader header, probeImage(image));
-    if (camera.widthPx == header.widthPx && camera.heightPx == header.heightPx) return {};
-    const double sx = double(header.widthPx) / double(camera.widthPx), sy = double(header.heightPx) / double(camera.heightPx);
-    if (!(std::abs(sx / sy - 1) < 0.005))  // rounding of a resized picture's sides
-        return fail(Code::CorruptData,
-                    "{}: {} is {} x {} pixels, its camera says {} x {}, which is another shape; export the capture again", where,
-                    image.string(), header.widthPx, header.heightPx, camera.widthPx, camera.heightPx);
-    camera.widthPx = header.widthPx, camera.heightPx = header.heightPx;
-    camera.fx *= sx, camera.cx *= sx, camera.fy *= sy, camera.cy *= sy;
-    return {};
 }
 
 Result<Capture> readKnownScan(const fs::path& root) {

@@ -14,7 +14,7 @@
 
 #include "reconstruction/body/npz.h"
 #include "reconstruction/cameras/colmap_model.h"
-#include "reconstruction/capture/scan_paths.h"
+#include "reconstruction/capture/picture_size.h"
 #include "reconstruction/import/readers.h"
 #include "sdk/core/files.h"
 
@@ -143,7 +143,8 @@ Result<Capture> readNeuman(const fs::path& root) {
         picture.maskShowsBackground = true;
         picture.camera = image.camera;
         picture.lens = image.lens;
-        DPL_CHECK_OK(fitToPicture(*picture.camera, picture.image, (root / "sparse").string()));
+        DPL_TRY(const ImageHeader header, probeImage(picture.image));
+        DPL_CHECK_OK(fitToPicture(*picture.camera, header, picture.image, (root / "sparse").string()));
         std::error_code ignored;
         if (const fs::path file = root / "keypoints" / (image.name + ".npy"); fs::exists(file, ignored)) {
             DPL_TRY(picture.keypoints, readCocoKeypoints(file));
