@@ -9,6 +9,7 @@
 
 #include "reconstruction/capture/frame_picture.h"
 #include "reconstruction/capture/image_file.h"
+#include "reconstruction/capture/models_folder.h"
 #include "reconstruction/capture/scan_paths.h"
 #include "reconstruction/image/image_codec.h"
 
@@ -121,8 +122,8 @@ ImageGrey8 toStoredPixels(const ImageGrey8& mask, const ScanFrame& frame) {
 
 Result<FramePicture> readFramePicture(const ScanFrame& frame) {
     if (frame.maskPath.empty())
-        return fail(Code::NotFound, "frame '{}' has no mask; add masks/{}.png, or run tools/models once, so that networks find the person",
-                    frame.name, frame.name);
+        return fail(Code::NotFound, "frame '{}' has no mask; add masks/{}.png, or let networks find the person: {}", frame.name, frame.name,
+                    howToGetNetworks());
     FramePicture picture;
     DPL_TRY(picture.image, readFrameImage(frame));
     DPL_TRY(picture.mask, readFrameMask(frame));

@@ -20,4 +20,11 @@ fs::path installedModels() {
     return !folder.empty() && fs::is_regular_file(folder / network_files::kPose, error) ? folder : fs::path();
 }
 
+std::string howToGetNetworks() {
+    const std::string run = "run tools/models in Doppel's source folder";
+    return userModelsFolder().empty()
+               ? run + " with --out DIR, and name DIR by --models, because neither HOME nor XDG_DATA_HOME says where networks are"
+               : run + ", or name a folder of networks by --models";
+}
+
 }  // namespace dpl

@@ -12,6 +12,7 @@
 
 #include "reconstruction/capture/focal_check.h"
 #include "reconstruction/capture/frame_measures.h"
+#include "reconstruction/capture/models_folder.h"
 #include "reconstruction/capture/silhouettes.h"
 #include "reconstruction/priors.h"
 #include "sdk/core/percentile.h"
@@ -112,7 +113,7 @@ private:
             [](const ScanFrame&, const FrameMeasures& m) { return m.check.maskShare >= 0 && m.check.maskShare < priors::kEmptyMaskShare; });
         for (size_t i : empty) measures_[i].check.usable = false;
         if (!without.empty() && without.size() == train.size())
-            find(false, "masks", "the scan has no masks; add masks/, or run tools/models once, so that networks find the person");
+            find(false, "masks", formatText("the scan has no masks; add masks/, or let networks find the person: {}", howToGetNetworks()));
         else if (!without.empty()) {
             for (size_t i : without) measures_[i].check.usable = false;
             find(false, "masks", formatText("{} frames have no mask and are left out; add their masks", without.size()), names(without));

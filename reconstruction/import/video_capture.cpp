@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "reconstruction/capture/needed_tools.h"
 #include "reconstruction/capture/scan_paths.h"
 #include "reconstruction/import/calibration.h"
 #include "reconstruction/import/exif.h"
@@ -191,6 +192,13 @@ Result<fs::path> videoOf(const std::string& camera, const std::vector<fs::path>&
     return *found;
 }
 
+/** Refuses videos on a machine that cannot read them, and names all that an avatar of them will need besides. */
+Status checkVideoTools(bool camerasKnown) {
+    if (missingTools({.videos = true}).empty()) return {};
+    return fail(Code::NotFound, "{}then run the same command again",
+                describeMissing("the film", missingTools({.videos = true, .keypoints = true, .masks = true, .cameras = !camerasKnown})));
+}
+
 /** Checks all paths before the first video is decoded, which takes a while. */
 Status checkNamed(const VideoSources& sources) {
     std::error_code error;
@@ -215,6 +223,7 @@ Status checkNamed(const VideoSources& sources) {
 
 Result<Capture> readVideos(const VideoSources& sources, const FrameCounts& counts, uint32_t longSidePx, const VideoWork& work) {
     DPL_CHECK_OK(checkNamed(sources));
+    DPL_CHECK_OK(checkVideoTools(/*camerasKnown=*/false));
     const bool one = !sources.undivided.empty();
     VideoReader reader(counts, longSidePx, work, one ? 1 : sources.still.size() + sources.closeup.size() + sources.moving.size());
     if (one) DPL_CHECK_OK(reader.add(sources.undivided, std::nullopt, 1));
@@ -228,6 +237,7 @@ Result<Capture> readVideos(const VideoSources& sources, const FrameCounts& count
 Result<Capture> readCalibratedVideos(const fs::path& folder, const fs::path& calibration, const FrameCounts& counts,
                                      const VideoWork& work) {
     DPL_TRY(const auto cameras, readCalibration(calibration));
+    DPL_CHECK_OK(checkVideoTools(/*camerasKnown=*/true));
     const std::vector<fs::path> videos = videosIn(folder);
     Capture capture;
     capture.what = calibration.extension() == ".toml" ? "videos with a Pose2Sim calibration" : "videos with a Qualisys calibration";

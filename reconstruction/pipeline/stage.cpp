@@ -187,6 +187,10 @@ Result<StageOutput> StageChain::run(const std::string& name, uint32_t version, c
     return StageOutput{folder, key};
 }
 
+bool StageChain::hasFinished(const std::string& name) const {
+    return isManifest(readManifest(stagesFolder_ / name));
+}
+
 std::vector<std::string> StageChain::numberedFolders() const {
     std::vector<std::string> names;
     std::error_code error;

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "reconstruction/capture/models_folder.h"
+#include "reconstruction/capture/needed_tools.h"
 #include "reconstruction/capture/observations.h"
 #include "reconstruction/capture/scan_check.h"
 #include "reconstruction/capture/validation.h"
@@ -37,6 +38,18 @@ Error refuseByCheck(const StageRun& run, const IngestedScan& ingested) {
                 refusal.filmAgain.push_back(
                     {{"topic", finding["topic"]}, {"sentence", finding["sentence"]}, {"frames", finding["frames"]}});
     return refuse(run, refusal, fail(Code::InvalidArgument, "the scan is refused:\n{}", ingested.verdict));
+}
+
+/** Refuses a scan for which this machine lacks a tool, before the tools that it has work for minutes. */
+Status checkTools(const StageRun& run, const Scan& scan, const std::filesystem::path& folder, const std::filesystem::path& models) {
+    ToolNeeds needs = toolNeeds(scan);
+    needs.cameras = needs.cameras && !run.chain.hasFinished("cameras");  // an earlier run found them
+    const std::vector<std::string> missing = missingTools(needs, models);
+    if (missing.empty()) return {};
+    return refuse(run, {"ingest"},
+                  fail(Code::InvalidArgument,
+                       "{}then run the same command again. Or bring keypoints, masks and cameras as files (docs/formats/scan.md)",
+                       describeMissing(folder.string(), missing)));
 }
 
 /** A scan, with missing observations replaced by what the networks found in its pictures: files in `folder`. */
@@ -81,6 +94,7 @@ Result<IngestedScan> runIngest(const StageRun& run, const std::filesystem::path&
     ingested.scan = std::move(*read);
     if (heightM > 0) ingested.scan.subjectHeightM = heightM;
     if (!ingested.scan.assumed.empty()) run.progress.note(ingested.scan.assumed);
+    DPL_CHECK_OK(checkTools(run, ingested.scan, folder, models));
     std::filesystem::path observations;
     const std::filesystem::path networks = !models.empty() ? models : lacksObservations(ingested.scan) ? installedModels() : models;
     if (!networks.empty()) {
@@ -89,18 +103,8 @@ Result<IngestedScan> runIngest(const StageRun& run, const std::filesystem::path&
         ingested.scan = std::move(seen.scan), observations = std::move(seen.folder);
     } else if (!persons.empty()) {
         return fail(Code::InvalidArgument,
-                    "--person: networks look for nobody in this scan; it brings keypoints and masks, or tools/models "
-                    "has not run");
+                    "--person: networks look for nobody in this scan, because it brings keypoints and masks or no network is installed");
     }
-    // Before cameras are sought, which takes minutes.
-    for (const auto& [what, path] : {std::pair("keypoints", &ScanFrame::keypointsPath), std::pair("masks", &ScanFrame::maskPath)})
-        if (std::all_of(ingested.scan.frames.begin(), ingested.scan.frames.end(),
-                        [path = path](const ScanFrame& frame) { return (frame.*path).empty(); }))
-            return refuse(run, {"ingest"},
-                          fail(Code::InvalidArgument,
-                               "{} brings no {}: run tools/models once, which fetches networks that find them, or add {} files "
-                               "(docs/formats/scan.md)",
-                               folder.string(), what, what));
     if (!ingested.scan.camerasKnown) {
         DPL_TRY(ingested.scan, runCameras(run, ingested.scan));
         ingested.camerasFound = true;

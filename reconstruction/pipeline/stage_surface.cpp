@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <cstring>
 
+#include "reconstruction/capture/models_folder.h"
 #include "reconstruction/pipeline/stage_keys.h"
 #include "reconstruction/pipeline/stages.h"
 #include "reconstruction/surface/fit_surface.h"
@@ -30,8 +31,8 @@ Status fit(const StageRun& run, const IngestedScan& ingested, const FittedBody& 
         views.push_back({body.cameras[f], picture->mask, body.fit.poses[f]});
     }
     if (views.empty())
-        return fail(Code::InvalidArgument,
-                    "no still training frame has a mask; add masks, or run tools/models once, so that networks find the person");
+        return fail(Code::InvalidArgument, "no still training frame has a mask; add masks, or let networks find the person: {}",
+                    howToGetNetworks());
     settings.progress = [&](double fraction) {
         context.progress.update(fraction, formatText("{} silhouettes", views.size()));
         return !context.progress.cancelled();
