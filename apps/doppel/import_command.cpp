@@ -49,7 +49,7 @@ void addImportCommand(CLI::App& app, CommandRun& run) {
             });
             if (!done) return reportError(done.error());
             progress.endStage("done");
-            std::printf("%s\n", done->c_str());
+            std::printf("%s\n%s\n", done->summary.c_str(), done->nextStep.c_str());
             return int(kExitOk);
         };
     });

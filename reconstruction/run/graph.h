@@ -131,6 +131,8 @@ public:
     Progress& progress() { return run_.progress(); }
     /** Where the results of the run lie. */
     const std::filesystem::path& outFolder() const { return run_.chain().outFolder(); }
+    /** Whether an earlier run finished this stage, whatever its inputs were. */
+    bool hasFinished(const char* stage) const { return run_.chain().hasFinished(stage); }
     /** Time and memory of the stages so far. */
     const std::vector<StageRecord>& records() const { return run_.chain().records(); }
     const nlohmann::json& values() const { return values_; }

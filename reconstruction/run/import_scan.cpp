@@ -108,12 +108,12 @@ Result<fs::path> scanToReconstruct(const ReconstructOptions& options, Progress& 
     DPL_RETURN_IF_ERROR(makeRoom(import.out, bool(before), progress));
     DPL_RETURN_IF_ERROR(writeFileAtomically(keyFile, "\"importing\""));  // says that OUT/scan is an import's, whole or not
     progress.beginStage("import");
-    DPL_TRY(const std::string summary, importCapture(import, &progress.cancelFlag(), [&](double share, const std::string& what) {
+    DPL_TRY(const ImportReport report, importCapture(import, &progress.cancelFlag(), [&](double share, const std::string& what) {
                 progress.update(share, what);
                 return !progress.cancelled();
             }));
     progress.endStage("done");
-    progress.note(summary.substr(0, summary.rfind('\n')));  // the last line names the next command, which this one is
+    progress.note(report.summary);  // the next command is this one
     DPL_RETURN_IF_ERROR(writeFileAtomically(keyFile, key));
     return import.out;
 }

@@ -189,4 +189,8 @@ Result<StageOutput> StageChain::run(const std::string& name, uint32_t version, c
     return StageOutput{folder, key};
 }
 
+bool StageChain::hasFinished(const std::string& name) const {
+    return isManifest(readManifest(stagesFolder_ / name));
+}
+
 }  // namespace dpl

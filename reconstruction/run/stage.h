@@ -56,6 +56,9 @@ public:
     Result<StageOutput> run(const std::string& name, uint32_t version, const nlohmann::json& inputs,
                             const std::function<Status(StageContext&)>& work);
 
+    /** Whether a finished folder of this stage exists, whatever its inputs were. */
+    bool hasFinished(const std::string& name) const;
+
     const std::filesystem::path& outFolder() const { return outFolder_; }
 
     /** One record a stage, in the order of the runs. */

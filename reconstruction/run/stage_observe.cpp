@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "reconstruction/run/stage_observe.h"
 
-#include <algorithm>
-
-#include "reconstruction/input/observe/models_folder.h"
+#include "reconstruction/base/models_folder.h"
+#include "reconstruction/input/capture/needed_tools.h"
 #include "reconstruction/input/observe/observations.h"
 #include "reconstruction/run/run_request.h"
 #include "reconstruction/run/scan_inputs.h"
+#include "reconstruction/run/stage_cameras.h"
 #include "reconstruction/run/verdict_file.h"
 
 namespace dpl {
@@ -26,6 +26,22 @@ Result<std::vector<PersonPoint>> personPoints(const ReconstructOptions& options)
 
 }  // namespace
 
+namespace {
+
+/** Refuses a scan for which this machine lacks a tool, before the tools that it has work for minutes. */
+Status checkTools(StageInputs& in, const Scan& scan, const RunRequest& request) {
+    ToolNeeds needs = toolNeeds(scan);
+    needs.cameras = needs.cameras && !in.hasFinished(StageOf<SolvedScan>::kName.name);  // an earlier run found them
+    const std::vector<std::string> missing = missingTools(needs, request.options.models);
+    if (missing.empty()) return {};
+    return refuse(in.outFolder(), {"ingest"},
+                  fail(Code::InvalidArgument,
+                       "{}then run the same command again. Or bring keypoints, masks and cameras as files (docs/formats/scan.md)",
+                       describeMissing(request.scan.string(), missing)));
+}
+
+}  // namespace
+
 Status StageOf<ReadScan>::inputs(StageInputs& in) {
     DPL_TRY([[maybe_unused]] const RunRequest* request, in.part<RunRequest>());
     return {};
@@ -40,14 +56,14 @@ Result<ReadScan> StageOf<ReadScan>::compute(StageInputs& in) {
     out.hash = hashOfScan(out.scan, hashFrames(out.scan));
     if (options.heightM > 0) out.scan.subjectHeightM = options.heightM;
     if (!out.scan.assumed.empty()) in.progress().note(out.scan.assumed);
+    DPL_RETURN_IF_ERROR(checkTools(in, out.scan, *request));
     if (out.networks.empty() && lacksObservations(out.scan)) {
         out.networks = installedModels();
         if (!out.networks.empty()) in.progress().note(formatText("networks of {} find what the scan lacks", out.networks.string()));
     }
     if (out.networks.empty() && !options.persons.empty())
         return fail(Code::InvalidArgument,
-                    "--person: networks look for nobody in this scan; it brings keypoints and masks, or tools/models "
-                    "has not run");
+                    "--person: networks look for nobody in this scan, because it brings keypoints and masks or no network is installed");
     return out;
 }
 
@@ -83,28 +99,17 @@ Result<Observations> StageOf<Observations>::read(StageInputs&, const std::filesy
 }
 
 Status StageOf<SeenScan>::inputs(StageInputs& in) {
-    DPL_TRY([[maybe_unused]] const RunRequest* request, in.part<RunRequest>());
     DPL_TRY(const ReadScan* read, in.part<ReadScan>());
     return read->networks.empty() ? Status{} : in.use<Observations>();
 }
 
 Result<SeenScan> StageOf<SeenScan>::compute(StageInputs& in) {
-    DPL_TRY(const RunRequest* request, in.of<RunRequest>());
     DPL_TRY(const ReadScan* read, in.of<ReadScan>());
     SeenScan seen{read->scan, {}};
     if (in.has<Observations>()) {
         DPL_TRY(const Observations* observations, in.of<Observations>());
         seen = {withObservations(read->scan, observations->folder), observations->folder};
     }
-    // Before cameras are sought, which takes minutes.
-    for (const auto& [what, path] : {std::pair("keypoints", &ScanFrame::keypointsPath), std::pair("masks", &ScanFrame::maskPath)})
-        if (std::all_of(seen.scan.frames.begin(), seen.scan.frames.end(),
-                        [path = path](const ScanFrame& frame) { return (frame.*path).empty(); }))
-            return refuse(in.outFolder(), {"ingest"},
-                          fail(Code::InvalidArgument,
-                               "{} brings no {}: run tools/models once, which fetches networks that find them, or add {} files "
-                               "(docs/formats/scan.md)",
-                               request->scan.string(), what, what));
     return seen;
 }
 

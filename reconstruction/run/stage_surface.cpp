@@ -3,6 +3,7 @@
 
 #include <cstring>
 
+#include "reconstruction/base/models_folder.h"
 #include "reconstruction/run/settings_json.h"
 #include "reconstruction/run/stage_body_fit.h"
 #include "reconstruction/run/stage_ingest.h"
@@ -52,8 +53,8 @@ Status StageOf<FittedSurface>::make(StageInputs& in, StageContext& context) {
         views.push_back({metric->cameras[row], pictures.back()->mask, body->poses[row]});
     }
     if (views.empty())
-        return fail(Code::InvalidArgument,
-                    "no still training frame has a mask; add masks, or run tools/models once, so that networks find the person");
+        return fail(Code::InvalidArgument, "no still training frame has a mask; add masks, or let networks find the person: {}",
+                    howToGetNetworks());
     SurfaceFitSettings settings;
     settings.progress = [&](double fraction) {
         context.progress.update(fraction, formatText("{} silhouettes", views.size()));

@@ -43,11 +43,11 @@ void fuzzJson(std::string_view text) {
     checkEnd(value, text.size());
     if (!value) return;
     dpl::test::startMemoryWatch();
-    const auto polycam = dpl::parsePolycamCamera(*value, "fuzz.json");
+    const auto polycam = dpl::parsePolycamCamera(*value, {96, 128}, "fuzz.json");
     checkEnd(polycam, text.size());
     if (polycam) mustBeUsable(*polycam);
     dpl::test::startMemoryWatch();
-    const auto record3d = dpl::parseRecord3d(*value, "fuzz.json");
+    const auto record3d = dpl::parseRecord3d(*value, {96, 128}, "fuzz.json");
     checkEnd(record3d, text.size());
     if (record3d)
         for (const dpl::Camerad& camera : record3d->cameras) mustBeUsable(camera);

@@ -61,14 +61,13 @@ private:
     }
 
     Status call(std::vector<std::string> arguments, const std::function<void(std::string_view)>& line) const {
-        arguments.insert(arguments.begin(), "colmap");
+        arguments.insert(arguments.begin(), kColmapProgram);
         // Without a screen Qt, which COLMAP links, would end the program.
         const Status ended = runProgram({arguments, {"QT_QPA_PLATFORM=offscreen"}, run_.folder / "colmap.log", line, run_.cancel});
         if (!ended && ended.error().code == Code::NotFound)
-            return fail(
-                Code::NotFound,
-                "the pictures have no cameras, and COLMAP, which finds them, is not installed; install it ('apt-get install colmap', or "
-                "tools/deps colmap), or give a scan with cameras");
+            return fail(Code::NotFound,
+                        "the pictures have no cameras, and COLMAP, which finds them, is not installed: {}; or give a scan with cameras",
+                        kHowToGetColmap);
         return ended;
     }
 

@@ -14,6 +14,9 @@
 
 namespace dpl {
 
+inline constexpr const char* kColmapProgram = "colmap";  // in PATH
+inline constexpr const char* kHowToGetColmap = "run tools/deps colmap in Doppel's source folder, or apt-get install colmap";
+
 struct ColmapRun {
     std::filesystem::path folder;     // has images/, and masks/IMAGE.png where not the whole picture counts. For all other files
     std::vector<std::string> images;  // names in images/, without spaces, one size, one lens

@@ -10,7 +10,9 @@
 #include "reconstruction/base/image_codec.h"
 #include "reconstruction/base/image_file.h"
 #include "reconstruction/base/json_fields.h"
+#include "reconstruction/base/models_folder.h"
 #include "reconstruction/input/capture/frame_picture.h"
+#include "reconstruction/input/capture/scan_readers.h"
 
 namespace dpl {
 
@@ -121,8 +123,8 @@ ImageGrey8 toStoredPixels(const ImageGrey8& mask, const ScanFrame& frame) {
 
 Result<FramePicture> readFramePicture(const ScanFrame& frame) {
     if (frame.maskPath.empty())
-        return fail(Code::NotFound, "frame '{}' has no mask; add masks/{}.png, or run tools/models once, so that networks find the person",
-                    frame.name, frame.name);
+        return fail(Code::NotFound, "frame '{}' has no mask; add masks/{}.png, or let networks find the person: {}", frame.name, frame.name,
+                    howToGetNetworks());
     FramePicture picture;
     DPL_TRY(picture.image, readFrameImage(frame));
     DPL_TRY(picture.mask, readFrameMask(frame));

@@ -50,7 +50,7 @@ struct Scan {
     double focalGuessPx = 0;    // where cameras are not known: a guess, from EXIF for example; 0: none
     bool metricWorld = true;    // false (COLMAP): arbitrary scale, origin and up; the body fit finds them
     bool unitStated = true;     // false: metricWorld is false only because the file says nothing; the body fit judges by the person's size
-    std::string assumed;        // a sentence about the world that the file does not state; empty: it states all
+    std::string assumed;        // sentences about what the file does not state or states otherwise; empty: there is no such thing
     bool splitStated = true;    // false: the reader chose every tenth static full-body frame for test
     std::string protocol;       // "neuman": scores are also given by that published protocol (docs/reference/neuman.md); empty: none
     double subjectHeightM = 0;  // without shoes, as the user stated it; 0: unknown

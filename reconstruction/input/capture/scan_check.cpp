@@ -10,6 +10,7 @@
 #include <numbers>
 #include <opencv2/core.hpp>
 
+#include "reconstruction/base/models_folder.h"
 #include "reconstruction/input/capture/focal_check.h"
 #include "reconstruction/input/capture/frame_measures.h"
 #include "reconstruction/input/capture/priors.h"
@@ -112,7 +113,7 @@ private:
             [](const ScanFrame&, const FrameMeasures& m) { return m.check.maskShare >= 0 && m.check.maskShare < priors::kEmptyMaskShare; });
         for (size_t i : empty) measures_[i].check.usable = false;
         if (!without.empty() && without.size() == train.size())
-            find(false, "masks", "the scan has no masks; add masks/, or run tools/models once, so that networks find the person");
+            find(false, "masks", formatText("the scan has no masks; add masks/, or let networks find the person: {}", howToGetNetworks()));
         else if (!without.empty()) {
             for (size_t i : without) measures_[i].check.usable = false;
             find(false, "masks", formatText("{} frames have no mask and are left out; add their masks", without.size()), names(without));

@@ -2,6 +2,7 @@
 // Reads a COLMAP sparse model with its image folder. Optional masks are masks/NAME.png or, as COLMAP names them, masks/NAME.EXT.png. Frames
 // named close… are close-ups and frames named dyn… are dynamic, as in avatar-scan folders.
 #include "reconstruction/input/cameras/colmap_model.h"
+#include "reconstruction/input/capture/picture_size.h"
 #include "reconstruction/input/capture/scan_readers.h"
 
 namespace dpl {
@@ -38,6 +39,7 @@ Result<Scan> readColmapScan(const fs::path& root, const fs::path& model) {
     scan.splitStated = false;
     std::error_code ignored;
     const fs::path pictures = picturesOf(root);
+    size_t scaled = 0;
     for (auto& image : images) {
         ScanFrame frame;
         frame.name = nameFromPath(image.name);
@@ -54,8 +56,12 @@ Result<Scan> readColmapScan(const fs::path& root, const fs::path& model) {
             frame.kind = FrameKind::Dynamic;
         frame.camera = image.camera;
         frame.lens = image.lens;
+        DPL_TRY(const ImageHeader header, probeImage(frame.imagePath));
+        DPL_TRY(const bool fitted, fitToPicture(frame.camera, header, frame.imagePath, where));
+        scaled += fitted;
         scan.frames.push_back(std::move(frame));
     }
+    noteScaledCameras(scan, scaled);
     DPL_RETURN_IF_ERROR(finishScan(scan));
     return scan;
 }

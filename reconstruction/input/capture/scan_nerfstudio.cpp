@@ -9,6 +9,7 @@
 
 #include "reconstruction/base/image_file.h"
 #include "reconstruction/input/cameras/camera_convention.h"
+#include "reconstruction/input/capture/picture_size.h"
 #include "reconstruction/input/capture/scan_readers.h"
 
 namespace dpl {
@@ -155,6 +156,7 @@ Result<Scan> parseNerfstudio(const json& manifest, const fs::path& manifestPath,
     if (frames->size() > kMaxFrames)
         return fail(Code::Unsupported, "{}: {} frames, at most {} are read; remove some frames from the scan", file, frames->size(),
                     kMaxFrames);
+    size_t scaled = 0;
     for (size_t i = 0; i < frames->size(); ++i) {
         const json& entry = (*frames)[i];
         const std::string where = formatText("{} frame {}", file, i);
@@ -176,6 +178,8 @@ Result<Scan> parseNerfstudio(const json& manifest, const fs::path& manifestPath,
         const std::string named = formatText("{} ('{}')", where, frame.name);
         DPL_RETURN_IF_ERROR(checkCamera(frame.camera, named));
         DPL_RETURN_IF_ERROR(checkDistortion(frame.lens, frame.camera, named));
+        DPL_TRY(const bool fitted, fitToPicture(frame.camera, header, frame.imagePath, named));
+        scaled += fitted;
         if (scan.splitStated) {
             const auto found = splits.find(relative);
             if (found == splits.end())
@@ -185,6 +189,7 @@ Result<Scan> parseNerfstudio(const json& manifest, const fs::path& manifestPath,
         }
         scan.frames.push_back(std::move(frame));
     }
+    noteScaledCameras(scan, scaled);
     return scan;
 }
 

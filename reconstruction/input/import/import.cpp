@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "reconstruction/base/folder_lock.h"
+#include "reconstruction/input/capture/needed_tools.h"
 #include "reconstruction/input/capture/scan_check.h"
 #include "reconstruction/input/import/layout.h"
 #include "reconstruction/input/import/readers.h"
@@ -86,10 +87,14 @@ void thinOut(Capture& capture) {
     pictures = std::move(kept);
 }
 
-/** The last line: the next command, or what the scan lacks before one works. */
 std::string nextStep(const Scan& scan, const fs::path& out) {
     const std::string lack = missingStillPart(scan);
-    if (lack.empty()) return formatText("wrote {}; next: doppel reconstruct {} -o OUT", out.string(), shellWord(out));
+    if (lack.empty()) {
+        const std::string command = formatText("doppel reconstruct {} -o OUT", shellWord(out));
+        const std::vector<std::string> missing = missingTools(toolNeeds(scan));
+        if (missing.empty()) return formatText("wrote {}; next: {}", out.string(), command);
+        return formatText("wrote {}. {}then: {}", out.string(), describeMissing("An avatar of it", missing), command);
+    }
     return formatText("wrote {}, which gives no avatar yet: {}. {}", out.string(), lack,
                       scan.camerasKnown
                           ? formatText("Add such pictures to {} as frames of the kind static_full, with cameras of the same world",
@@ -97,22 +102,22 @@ std::string nextStep(const Scan& scan, const fs::path& out) {
                           : std::string("Import such pictures together with these, into another folder"));
 }
 
-std::string summaryOf(const Capture& capture, const Scan& scan, const fs::path& out) {
+std::string summaryOf(const Capture& capture) {
     size_t counts[3] = {};
     for (const CapturePicture& picture : capture.pictures) ++counts[size_t(picture.kind)];
     const bool known = capture.pictures.front().camera.has_value();
-    std::string text = formatText("read as {}: {} frames ({} still, {} close, {} moving), {}\n", capture.what, capture.pictures.size(),
+    std::string text = formatText("read as {}: {} frames ({} still, {} close, {} moving), {}", capture.what, capture.pictures.size(),
                                   counts[0], counts[1], counts[2],
                                   !known                ? "cameras unknown"
                                   : capture.metricWorld ? "cameras in metres"
                                                         : "cameras of unknown scale");
-    for (const std::string& note : capture.notes) text += "  " + note + "\n";
-    return text + nextStep(scan, out);
+    for (const std::string& note : capture.notes) text += "\n  " + note;
+    return text;
 }
 
 }  // namespace
 
-Result<std::string> importCapture(const ImportOptions& options, const std::atomic<bool>* cancel, const ImportProgress& progress) {
+Result<ImportReport> importCapture(const ImportOptions& options, const std::atomic<bool>* cancel, const ImportProgress& progress) {
     std::error_code error;
     fs::path out = fs::absolute(options.out, error).lexically_normal();
     if (!out.has_filename()) out = out.parent_path();
@@ -157,7 +162,7 @@ Result<std::string> importCapture(const ImportOptions& options, const std::atomi
     if (fs::exists(target, error)) fs::remove(target, error);
     fs::rename(partial / "scan", target, error);
     if (error) return fail(Code::Io, "cannot write {}: {}; choose another output with -o", out.string(), error.message());
-    return summaryOf(capture, scan, out);
+    return ImportReport{summaryOf(capture), nextStep(scan, out)};
 }
 
 }  // namespace dpl

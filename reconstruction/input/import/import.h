@@ -18,9 +18,15 @@ struct ImportOptions {
     double heightM = 0;          // of the subject, kept in the scan; 0: unknown
 };
 
+/** Lines for the terminal, without a line break at the end. */
+struct ImportReport {
+    std::string summary;   // what was recognised, taken and left out
+    std::string nextStep;  // the next command as the last line; before it what it needs and this machine lacks. Or why none works yet
+};
+
 /** Recognises the source, reads it and writes `out`, completely or not at all: files are written to OUT.partial, which is renamed at the
  * end and removed after an error. A symbolic link is kept and its target is written. Io: another import writes `out` now. The result is
- * read back as a check. Returns a few lines for the terminal: what was recognised, what was taken, what was left out, what to do next. */
-Result<std::string> importCapture(const ImportOptions& options, const std::atomic<bool>* cancel, const ImportProgress& progress);
+ * read back as a check. */
+Result<ImportReport> importCapture(const ImportOptions& options, const std::atomic<bool>* cancel, const ImportProgress& progress);
 
 }  // namespace dpl

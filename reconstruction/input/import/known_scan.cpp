@@ -27,19 +27,6 @@ std::string frameName(FrameKind kind, size_t index) {
     return formatText("{}_{}", prefix, digits);
 }
 
-Status fitToPicture(Camerad& camera, const fs::path& image, const std::string& where) {
-    DPL_TRY(const ImageHeader header, probeImage(image));
-    if (camera.widthPx == header.widthPx && camera.heightPx == header.heightPx) return {};
-    const double sx = double(header.widthPx) / double(camera.widthPx), sy = double(header.heightPx) / double(camera.heightPx);
-    if (!(std::abs(sx / sy - 1) < 0.005))  // rounding of a resized picture's sides
-        return fail(Code::CorruptData,
-                    "{}: {} is {} x {} pixels, its camera says {} x {}, which is another shape; export the capture again", where,
-                    image.string(), header.widthPx, header.heightPx, camera.widthPx, camera.heightPx);
-    camera.widthPx = header.widthPx, camera.heightPx = header.heightPx;
-    camera.fx *= sx, camera.cx *= sx, camera.fy *= sy, camera.cy *= sy;
-    return {};
-}
-
 Result<Capture> readKnownScan(const fs::path& root) {
     DPL_TRY(const Scan scan, readScan(root));
     Capture capture;

@@ -14,6 +14,7 @@
 
 #include "reconstruction/base/npz.h"
 #include "reconstruction/input/cameras/colmap_model.h"
+#include "reconstruction/input/capture/picture_size.h"
 #include "reconstruction/input/capture/scan_readers.h"
 #include "reconstruction/input/import/readers.h"
 #include "sdk/core/files.h"
@@ -143,7 +144,8 @@ Result<Capture> readNeuman(const fs::path& root) {
         picture.maskShowsBackground = true;
         picture.camera = image.camera;
         picture.lens = image.lens;
-        DPL_RETURN_IF_ERROR(fitToPicture(*picture.camera, picture.image, (root / "sparse").string()));
+        DPL_TRY(const ImageHeader header, probeImage(picture.image));
+        DPL_RETURN_IF_ERROR(fitToPicture(*picture.camera, header, picture.image, (root / "sparse").string()));
         std::error_code ignored;
         if (const fs::path file = root / "keypoints" / (image.name + ".npy"); fs::exists(file, ignored)) {
             DPL_TRY(picture.keypoints, readCocoKeypoints(file));

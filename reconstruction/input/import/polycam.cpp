@@ -2,10 +2,11 @@
 // Polycam's raw data, as exported in developer mode. Follows github.com/PolyCam/polyform (README, "Raw data") and its reader
 // polyform/core/capture_folder.py. Every keyframe has a JSON file with intrinsics in pixels and the first three rows of a camera-to-world
 // matrix t_00 … t_23. The world is ARKit's: metres, +Y up. Camera axes are OpenGL's. The corrected_ folders hold what Polycam's own
-// optimisation made of them and are read where they exist.
+// optimisation made of them and are read where they exist. Newer versions of the app write no width and height there.
 #include <array>
 
 #include "reconstruction/input/cameras/camera_convention.h"
+#include "reconstruction/input/capture/picture_size.h"
 #include "reconstruction/input/capture/scan_readers.h"
 #include "reconstruction/input/import/folder_contents.h"
 #include "reconstruction/input/import/readers.h"
@@ -15,19 +16,14 @@ namespace dpl {
 namespace fs = std::filesystem;
 using nlohmann::json;
 
-Result<Camerad> parsePolycamCamera(const json& object, const std::string& where) {
+Result<Camerad> parsePolycamCamera(const json& object, const ImageHeader& picture, const std::string& where) {
     const JsonFields fields(object, where);
-    DPL_TRY(const double width, fields.number("width"));
-    DPL_TRY(const double height, fields.number("height"));
-    if (!(width >= 1 && height >= 1 && width <= 65536 && height <= 65536))
-        return fail(Code::CorruptData, "{}: width, height = {}, {} is not a size in pixels; export the capture again", where, width,
-                    height);
     Camerad camera;
-    camera.widthPx = uint32_t(width), camera.heightPx = uint32_t(height);
     DPL_TRY(camera.fx, fields.number("fx"));
     DPL_TRY(camera.fy, fields.number("fy"));
     DPL_TRY(camera.cx, fields.number("cx"));
     DPL_TRY(camera.cy, fields.number("cy"));
+    DPL_RETURN_IF_ERROR(takeSize(camera, fields, "width", "height", picture));
     std::array<double, 16> pose{};
     for (size_t row = 0; row < 3; ++row)
         for (size_t column = 0; column < 4; ++column) {
@@ -61,8 +57,9 @@ Result<Capture> readPolycam(const fs::path& root) {
         CapturePicture picture;
         picture.name = frameName(picture.kind, capture.pictures.size());
         picture.image = image;
-        DPL_TRY(picture.camera, parsePolycamCamera(object, file.string()));
-        DPL_RETURN_IF_ERROR(fitToPicture(*picture.camera, image, file.string()));
+        DPL_TRY(const ImageHeader header, probeImage(image));
+        DPL_TRY(picture.camera, parsePolycamCamera(object, header, file.string()));
+        DPL_RETURN_IF_ERROR(fitToPicture(*picture.camera, header, image, file.string()));
         capture.pictures.push_back(std::move(picture));
     }
     if (capture.pictures.empty())

@@ -5,6 +5,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "reconstruction/base/image_file.h"
 #include "reconstruction/input/import/capture.h"
 
 namespace dpl {
@@ -20,25 +21,22 @@ Result<Capture> readNeuman(const std::filesystem::path& root);
 
 /** `root` holds keyframes/. */
 Result<Capture> readPolycam(const std::filesystem::path& root);
-/** Camera of one keyframe, without its picture. */
-Result<Camerad> parsePolycamCamera(const nlohmann::json& object, const std::string& where);
+/** Camera of one keyframe, of the size that the file states, else of its picture's. */
+Result<Camerad> parsePolycamCamera(const nlohmann::json& object, const ImageHeader& picture, const std::string& where);
 
 /** `root` holds metadata.json (or metadata) and rgb/ (or rgbd/). */
 Result<Capture> readRecord3d(const std::filesystem::path& root);
 /** An .r3d file, which is a zip. Its metadata and pictures are unpacked into `unpacked`, a folder that is made. */
 Result<Capture> readRecord3dFile(const std::filesystem::path& file, const std::filesystem::path& unpacked);
-/** Cameras of all frames of a recording. */
+/** Cameras of all frames of a recording, of the size that the metadata states, else of the first picture's. */
 struct Record3dFrames {
     std::vector<Camerad> cameras;
     double framesPerSecond = 0;  // 0: not stated
 };
-Result<Record3dFrames> parseRecord3d(const nlohmann::json& metadata, const std::string& where);
+Result<Record3dFrames> parseRecord3d(const nlohmann::json& metadata, const ImageHeader& firstPicture, const std::string& where);
 
 /** Photos without cameras. */
 Result<Capture> readPhotos(const std::filesystem::path& folder, uint32_t longSidePx);
-
-/** Gives a camera the size of its stored picture: the same size, or the same shape and another size, for which it is scaled. */
-Status fitToPicture(Camerad& camera, const std::filesystem::path& image, const std::string& where);
 
 /** "full_0007". */
 std::string frameName(FrameKind kind, size_t index);

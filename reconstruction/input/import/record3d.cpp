@@ -8,7 +8,9 @@
 
 #include "reconstruction/base/zip_file.h"
 #include "reconstruction/input/cameras/camera_convention.h"
+#include "reconstruction/input/capture/picture_size.h"
 #include "reconstruction/input/capture/scan_readers.h"
+#include "reconstruction/input/import/folder_contents.h"
 #include "reconstruction/input/import/layout.h"
 #include "reconstruction/input/import/readers.h"
 #include "sdk/core/files.h"
@@ -72,16 +74,12 @@ Result<Capture> readRecord3dFile(const fs::path& file, const fs::path& unpacked)
     return readRecord3d(unpacked);
 }
 
-Result<Record3dFrames> parseRecord3d(const json& metadata, const std::string& where) {
+Result<Record3dFrames> parseRecord3d(const json& metadata, const ImageHeader& firstPicture, const std::string& where) {
     const JsonFields fields(metadata, where);
     Camerad shared;
-    DPL_TRY(const double width, fields.number("w"));
-    DPL_TRY(const double height, fields.number("h"));
-    if (!(width >= 1 && height >= 1 && width <= 65536 && height <= 65536))
-        return fail(Code::CorruptData, "{}: w, h = {}, {} is not a size in pixels; export the recording again", where, width, height);
-    shared.widthPx = uint32_t(width), shared.heightPx = uint32_t(height);
     DPL_TRY(const auto k, fields.numbers("K", 9));
     shared.fx = k[0], shared.fy = k[4], shared.cx = k[6], shared.cy = k[7];  // column-major
+    DPL_RETURN_IF_ERROR(takeSize(shared, fields, "w", "h", firstPicture));
     DPL_TRY(const json* poses, fields.array("poses"));
     if (poses->size() > kMaxFrames)
         return fail(Code::Unsupported, "{}: {} frames, at most {} are read; cut the recording", where, poses->size(), kMaxFrames);
@@ -118,7 +116,14 @@ Result<Capture> readRecord3d(const fs::path& root) {
     const fs::path file = root / (fs::exists(root / "metadata.json", ignored) ? "metadata.json" : "metadata");
     const fs::path pictures = root / (fs::is_directory(root / "rgb", ignored) ? "rgb" : "rgbd");
     DPL_TRY(const json metadata, readJsonObject(file));
-    DPL_TRY(const Record3dFrames frames, parseRecord3d(metadata, file.string()));
+    ImageHeader first;
+    if (!metadata.contains("w") || !metadata.contains("h")) {
+        const auto all = picturesIn(pictures);
+        if (all.empty())
+            return fail(Code::CorruptData, "{} holds no picture; export the recording again as 'EXR + JPG sequence'", pictures.string());
+        DPL_TRY(first, probeImage(all.front()));
+    }
+    DPL_TRY(const Record3dFrames frames, parseRecord3d(metadata, first, file.string()));
     Capture capture;
     capture.what = "Record3D recording";
     size_t missing = 0;
@@ -134,7 +139,8 @@ Result<Capture> readRecord3d(const fs::path& root) {
         picture.name = frameName(picture.kind, capture.pictures.size());
         picture.camera = frames.cameras[i];
         if (frames.framesPerSecond > 0) picture.timeS = double(i) / frames.framesPerSecond;
-        DPL_RETURN_IF_ERROR(fitToPicture(*picture.camera, picture.image, formatText("{} frame {}", file.string(), i)));
+        DPL_TRY(const ImageHeader header, probeImage(picture.image));
+        DPL_RETURN_IF_ERROR(fitToPicture(*picture.camera, header, picture.image, formatText("{} frame {}", file.string(), i)));
         capture.pictures.push_back(std::move(picture));
     }
     if (capture.pictures.empty())

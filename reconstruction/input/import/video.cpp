@@ -80,8 +80,7 @@ Status runFfmpeg(std::vector<std::string> arguments, const fs::path& video, cons
     const Status ended = runProgram(run);
     if (ended) return {};
     if (ended.error().code == Code::Cancelled) return fail(Code::Cancelled, "stopped while reading {}", video.string());
-    if (ended.error().code == Code::NotFound)
-        return fail(Code::NotFound, "{}: reading videos needs the program ffmpeg; install it (apt-get install ffmpeg)", video.string());
+    if (ended.error().code == Code::NotFound) return ended;  // readers of captures have looked for ffmpeg before
     if (said.find("No space left on device") != std::string::npos)
         return fail(Code::Io, "cannot write frames of {} to {}: its disk is full; free some space, or choose another output with -o",
                     video.string(), work.folder.string());

@@ -5,6 +5,8 @@
 #include <cmath>
 
 #include "reconstruction/base/json_fields.h"
+#include "reconstruction/input/capture/needed_tools.h"
+#include "reconstruction/input/capture/scan_readers.h"
 #include "reconstruction/input/import/calibration.h"
 #include "reconstruction/input/import/exif.h"
 #include "reconstruction/input/import/folder_contents.h"
@@ -191,6 +193,13 @@ Result<fs::path> videoOf(const std::string& camera, const std::vector<fs::path>&
     return *found;
 }
 
+/** Refuses videos on a machine that cannot read them, and names all that an avatar of them will need besides. */
+Status checkVideoTools(bool camerasKnown) {
+    if (missingTools({.videos = true}).empty()) return {};
+    return fail(Code::NotFound, "{}then run the same command again",
+                describeMissing("the film", missingTools({.videos = true, .keypoints = true, .masks = true, .cameras = !camerasKnown})));
+}
+
 /** Checks all paths before the first video is decoded, which takes a while. */
 Status checkNamed(const VideoSources& sources) {
     std::error_code error;
@@ -215,6 +224,7 @@ Status checkNamed(const VideoSources& sources) {
 
 Result<Capture> readVideos(const VideoSources& sources, const FrameCounts& counts, uint32_t longSidePx, const VideoWork& work) {
     DPL_RETURN_IF_ERROR(checkNamed(sources));
+    DPL_RETURN_IF_ERROR(checkVideoTools(/*camerasKnown=*/false));
     const bool one = !sources.undivided.empty();
     VideoReader reader(counts, longSidePx, work, one ? 1 : sources.still.size() + sources.closeup.size() + sources.moving.size());
     if (one) DPL_RETURN_IF_ERROR(reader.add(sources.undivided, std::nullopt, 1));
@@ -228,6 +238,7 @@ Result<Capture> readVideos(const VideoSources& sources, const FrameCounts& count
 Result<Capture> readCalibratedVideos(const fs::path& folder, const fs::path& calibration, const FrameCounts& counts,
                                      const VideoWork& work) {
     DPL_TRY(const auto cameras, readCalibration(calibration));
+    DPL_RETURN_IF_ERROR(checkVideoTools(/*camerasKnown=*/true));
     const std::vector<fs::path> videos = videosIn(folder);
     Capture capture;
     capture.what = calibration.extension() == ".toml" ? "videos with a Pose2Sim calibration" : "videos with a Qualisys calibration";

@@ -6,8 +6,8 @@
 #include <opencv2/imgproc.hpp>
 #include <span>
 
+#include "reconstruction/base/models_folder.h"
 #include "reconstruction/input/observe/choose_person.h"
-#include "reconstruction/input/observe/models_folder.h"
 #include "reconstruction/input/observe/observations.h"
 #include "reconstruction/input/observe/onnx_net.h"
 #include "reconstruction/input/observe/person_detector.h"

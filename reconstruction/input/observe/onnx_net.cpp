@@ -5,6 +5,8 @@
 #include <opencv2/core/utility.hpp>
 #include <opencv2/dnn.hpp>
 
+#include "reconstruction/base/models_folder.h"
+
 namespace dpl {
 
 namespace fs = std::filesystem;
@@ -22,8 +24,7 @@ OnnxNet::~OnnxNet() = default;
 
 Result<OnnxNet> OnnxNet::load(const fs::path& path) {
     std::error_code error;
-    if (!fs::is_regular_file(path, error))
-        return fail(Code::NotFound, "{}: not found; run tools/models, or give a folder that holds this network (--models)", path.string());
+    if (!fs::is_regular_file(path, error)) return fail(Code::NotFound, "{}: not found; {}", path.string(), howToGetNetworks());
     if (fs::file_size(path, error) > (512u << 20)) return fail(Code::Unsupported, "{}: larger than 512 MiB", path.string());
     cv::setNumThreads(1);  // fixed order of sums: equal results on every run
     auto state = std::make_unique<State>();

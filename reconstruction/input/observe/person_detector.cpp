@@ -5,7 +5,7 @@
 #include <array>
 #include <cmath>
 
-#include "reconstruction/input/observe/models_folder.h"
+#include "reconstruction/base/models_folder.h"
 #include "reconstruction/input/observe/pose_crop.h"
 
 namespace dpl {

@@ -48,6 +48,12 @@ TEST(HostilePolycam, refusals) {
     refuse([](json& k) { k["t_13"] = 1e9; }, {"0.json"});
     refuse([](json& k) { k["width"] = -128; }, {"not a size"});
     refuse([](json& k) { k["width"] = 200; }, {"another shape"});
+    refuse([](json& k) { k["width"] = "wide"; }, {"'width'", "not a finite number"});
+    refuse([](json& k) { k["height"] = 1e300; }, {"not a size"});
+    refuse([](json& k) { k.erase("width"), k["height"] = 70000; }, {"not a size"});
+    const auto withoutSize = [](json& k) { k.erase("width"), k.erase("height"); };
+    refuse([&](json& k) { withoutSize(k), k["cx"] = 128, k["cy"] = 96; }, {"principal point (128, 96)", "128 x 96", "add the size"});
+    refuse([&](json& k) { withoutSize(k), k["cx"] = 48, k["cy"] = 64; }, {"principal point (48, 64)"});
 }
 
 TEST(HostilePolycam, foldersWithoutPairs) {
@@ -59,7 +65,7 @@ TEST(HostilePolycam, foldersWithoutPairs) {
     options.out = folder.path / "scan";
     const auto done = importCapture(options, nullptr, {});
     ASSERT_TRUE(done) << done.error().message;
-    EXPECT_TRUE(mentions(*done, {"1 pictures without a camera"}));
+    EXPECT_TRUE(mentions(done->summary, {"1 pictures without a camera"}));
     for (const char* name : {"0.json", "2.json"}) fs::remove(folder.path / "poly/keyframes/cameras" / name);
     EXPECT_TRUE(mentions(refusal(folder.path / "poly"), {"no picture has a camera", "developer mode"}));
 }
@@ -85,7 +91,7 @@ TEST(HostileRecord3d, refusals) {
     const auto refuse = [](const std::function<void(json&)>& breakIt, std::initializer_list<const char*> words) {
         json metadata = record3dMetadata(2);
         breakIt(metadata);
-        const auto frames = parseRecord3d(metadata, "metadata.json");
+        const auto frames = parseRecord3d(metadata, {128, 96}, "metadata.json");
         ASSERT_FALSE(frames);
         EXPECT_TRUE(mentions(frames.error().message, words));
         EXPECT_TRUE(mentions(frames.error().message, {"metadata.json"}));

@@ -9,7 +9,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-std::string errorOf(const Result<std::string>& done) {
+std::string errorOf(const Result<ImportReport>& done) {
     return done ? "was imported" : done.error().message;
 }
 
@@ -18,7 +18,7 @@ protected:
     ImportOutput() {
         for (int i = 0; i < 3; ++i) writeBytes(root_ / formatText("photos/{}.jpg", i), jpegOf(spotPicture(96, 128, kMadePixel)));
     }
-    Result<std::string> import(const ImportProgress& progress = {}) const {
+    Result<ImportReport> import(const ImportProgress& progress = {}) const {
         ImportOptions options;
         options.source = root_ / "photos", options.out = root_ / "scan";
         return importCapture(options, nullptr, progress);

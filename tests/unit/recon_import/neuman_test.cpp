@@ -42,7 +42,7 @@ ImportOptions importOf(const fs::path& source, const fs::path& out) {
 std::string neumanRefusal(const fs::path& source) {
     const auto done = importCapture(importOf(source, source.parent_path() / "refused"), nullptr, {});
     EXPECT_FALSE(fs::exists(source.parent_path() / "refused"));
-    return done ? "accepted: " + *done : done.error().message;
+    return done ? "accepted: " + done->summary : done.error().message;
 }
 
 class Neuman : public testing::Test {
@@ -54,7 +54,7 @@ protected:
 
 TEST_F(Neuman, becomesAScanOfMovingFramesInTheVideosOrder) {
     EXPECT_EQ(must(recogniseCapture(root)).kind, CaptureKind::Neuman);
-    const std::string summary = must(importCapture(importOf(root, folder.path / "scan"), nullptr, {}));
+    const std::string summary = must(importCapture(importOf(root, folder.path / "scan"), nullptr, {})).summary;
     EXPECT_TRUE(mentions(summary, {"NeuMan", "2 frames are held out", "2 of the validation split"}));
     const Scan scan = must(readScan(folder.path / "scan"));
     const std::vector<ScanFrame> truth = movingFrames(madeScan());
@@ -118,7 +118,7 @@ TEST_F(Neuman, listsOfTheFolderWinOverTheRule) {
     writeText(root / "train_split.txt", neumanName(0) + "\n" + neumanName(4) + "\r\n" + neumanName(5) + "\n\n");
     writeText(root / "test_split.txt", neumanName(3) + "\n");
     writeText(root / "val_split.txt", neumanName(9) + "\n");
-    const std::string summary = must(importCapture(importOf(root, folder.path / "scan"), nullptr, {}));
+    const std::string summary = must(importCapture(importOf(root, folder.path / "scan"), nullptr, {})).summary;
     EXPECT_TRUE(mentions(summary, {"1 frames are held out", "16 of the validation split"}));
     const Scan scan = must(readScan(folder.path / "scan"));
     ASSERT_EQ(scan.frames.size(), 4u);
@@ -129,7 +129,7 @@ TEST_F(Neuman, listsOfTheFolderWinOverTheRule) {
 
 TEST_F(Neuman, keypointsOfSomeFramesAreNotUsed) {
     fs::remove(root / "keypoints" / (neumanName(4) + ".npy"));
-    EXPECT_TRUE(mentions(must(importCapture(importOf(root, folder.path / "scan"), nullptr, {})), {"networks will find keypoints"}));
+    EXPECT_TRUE(mentions(must(importCapture(importOf(root, folder.path / "scan"), nullptr, {})).summary, {"networks will find keypoints"}));
     EXPECT_TRUE(must(readScan(folder.path / "scan")).keypointNames.empty());
 }
 

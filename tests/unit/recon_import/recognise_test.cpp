@@ -28,7 +28,7 @@ protected:
         ImportOptions options;
         options.source = source, options.out = folder_.path / formatText("scan-{}", scans_++);
         const auto done = importCapture(options, nullptr, {});
-        return done ? *done : done.error().message;
+        return done ? done->summary : done.error().message;
     }
     const TemporaryFolder folder_;
     const fs::path root_ = folder_.path;

@@ -307,8 +307,8 @@ TEST_F(VideoFiles, calibratedVideosAloneLackAStillPart) {
     options.out = folder.path / "scan";
     const auto done = importCapture(options, nullptr, {});
     ASSERT_TRUE(done) << done.error().message;
-    EXPECT_TRUE(mentions(*done, {"only 0 full-body pictures of the still subject", "static_full", "scan.json"}));
-    EXPECT_EQ(done->find("doppel reconstruct"), std::string::npos) << "it would refuse: " << *done;
+    EXPECT_TRUE(mentions(done->nextStep, {"only 0 full-body pictures of the still subject", "static_full", "scan.json"}));
+    EXPECT_EQ(done->nextStep.find("doppel reconstruct"), std::string::npos) << "it would refuse: " << done->nextStep;
 }
 
 TEST_F(VideoFiles, fourRealCamerasAreCutAtTheSameMoments) {

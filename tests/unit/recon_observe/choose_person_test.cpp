@@ -7,7 +7,7 @@
 #include <cmath>
 #include <map>
 
-#include "reconstruction/input/observe/models_folder.h"
+#include "reconstruction/base/models_folder.h"
 #include "tests/unit/recon_capture/scan_builder.h"
 #include "tests/unit/shared_data.h"
 

@@ -7,9 +7,9 @@
 #include <cmath>
 #include <cstdlib>
 
+#include "reconstruction/base/models_folder.h"
 #include "reconstruction/input/capture/frame_picture.h"
 #include "reconstruction/input/capture/scan_check.h"
-#include "reconstruction/input/observe/models_folder.h"
 #include "reconstruction/input/observe/onnx_net.h"
 #include "tests/unit/recon_capture/scan_builder.h"
 #include "tests/unit/recon_observe/biker.h"

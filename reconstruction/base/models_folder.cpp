@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "reconstruction/input/observe/models_folder.h"
+#include "reconstruction/base/models_folder.h"
 
 #include <cstdlib>
 
@@ -18,6 +18,13 @@ fs::path installedModels() {
     const fs::path folder = userModelsFolder();
     std::error_code error;
     return !folder.empty() && fs::is_regular_file(folder / network_files::kPose, error) ? folder : fs::path();
+}
+
+std::string howToGetNetworks() {
+    const std::string run = "run tools/models in Doppel's source folder";
+    return userModelsFolder().empty()
+               ? run + " with --out DIR, and name DIR by --models, because neither HOME nor XDG_DATA_HOME says where networks are"
+               : run + ", or name a folder of networks by --models";
 }
 
 }  // namespace dpl

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <filesystem>
+#include <string>
 
 namespace dpl {
 
@@ -23,5 +24,8 @@ std::filesystem::path userModelsFolder();
 
 /** userModelsFolder() if it holds a pose network, else empty. */
 std::filesystem::path installedModels();
+
+/** What to run so that the networks are found, as a part of a sentence. */
+std::string howToGetNetworks();
 
 }  // namespace dpl
