@@ -101,7 +101,7 @@ Result<std::string> evaluateAvatar(const EvaluateOptions& options, Progress& pro
     progress.endStage(formatText("{} held-out frames", data.frames.size()));
     if (options.out.empty()) return summary;
     data.evidence = avatar.evidence;
-    DPL_TRY(data.portrait, drawPortrait(ingested.scan, cameras, poses, avatar, view, jobs));
+    DPL_TRY(data.portrait, drawPortrait(table.scan, cameras, poses, avatar, view, jobs));
     DPL_RETURN_IF_ERROR(writeReport(data, options.out));
     return summary + formatText("\nOpen {} to see the avatar beside these pictures.", (options.out / "report.html").string());
 }
