@@ -109,8 +109,8 @@ function(doppel_shader_pack name folder)
   doppel_library(${name} SOURCES ${CMAKE_CURRENT_BINARY_DIR}/shader_pack.cpp)
 endfunction()
 
-# doppel_test(name SOURCES a.cpp ... LINKS target ... [LABELS quick|slow|vulkan|sanitize ...] [TIMEOUT s]): one GoogleTest program and CTest
-# entry. Defaults: label quick, 300 s. Tests labelled sanitize (readers, format, reference, software Metal device) also run in the build with sanitizers.
+# doppel_test(name SOURCES a.cpp ... LINKS target ... [LABELS quick|slow|vulkan|sanitize ...]): one GoogleTest program and CTest entry.
+# Default: label quick. Tests labelled sanitize (readers, format, reference, software Metal device) also run in the build with sanitizers.
 if(DOPPEL_TESTS)
   find_package(GTest REQUIRED)
   # Programs of all tests labelled `sanitize`. tools/test builds them with sanitizers.
@@ -129,7 +129,7 @@ function(doppel_test name)
   if(NOT DOPPEL_TESTS)
     return()
   endif()
-  cmake_parse_arguments(arg "" "TIMEOUT" "SOURCES;LINKS;LABELS" ${ARGN})
+  cmake_parse_arguments(arg "" "" "SOURCES;LINKS;LABELS" ${ARGN})
   add_executable(${name} ${arg_SOURCES})
   target_link_libraries(${name} PRIVATE doppel_options ${arg_LINKS} GTest::gtest GTest::gtest_main)
   list(FIND arg_LINKS nlohmann_json::nlohmann_json json_link)
@@ -149,9 +149,5 @@ function(doppel_test name)
   if("vulkan" IN_LIST arg_LABELS)
     add_dependencies(vulkan_tests ${name})
   endif()
-  if(NOT arg_TIMEOUT)
-    set(arg_TIMEOUT 300)
-  endif()
-  set_tests_properties(${name} PROPERTIES LABELS "${arg_LABELS}" TIMEOUT ${arg_TIMEOUT}
-    ENVIRONMENT "DOPPEL_SOURCE_DIR=${PROJECT_SOURCE_DIR}")
+  set_tests_properties(${name} PROPERTIES LABELS "${arg_LABELS}" ENVIRONMENT "DOPPEL_SOURCE_DIR=${PROJECT_SOURCE_DIR}")
 endfunction()

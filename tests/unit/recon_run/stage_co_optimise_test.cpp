@@ -71,6 +71,23 @@ TEST_F(StageCoOptimise, aStopIsHeardInTheProbe) {
     EXPECT_EXIT(stopped(), testing::ExitedWithCode(0), "");
 }
 
+TEST_F(StageCoOptimise, aStopInTrainingLeavesACheckpoint) {
+    GTEST_FLAG_SET(death_test_style, "threadsafe");
+    const auto stopped = [&] {
+        must(train());
+        killBeforeTheManifest();  // leaves steps.txt, so there is no probe
+        fs::remove(work_ / "trained.bin");
+        installSignalHandlers();
+        std::raise(SIGINT);
+        const auto training = train();
+        const bool cancelled = !training && training.error().code == Code::Cancelled;
+        const bool kept = fs::exists(work_ / "checkpoint");
+        fs::remove_all(toy_.folder);
+        std::_Exit(cancelled && kept ? 0 : 1);
+    };
+    EXPECT_EXIT(stopped(), testing::ExitedWithCode(0), "");
+}
+
 TEST_F(StageCoOptimise, theStepsThatABudgetAllowedArePartOfTheKeyOfLaterStages) {
     const Trained first = must(train());
     EXPECT_EQ(first.steps, 100u);
