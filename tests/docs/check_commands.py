@@ -17,6 +17,9 @@ TINY_AVATAR = "avatar.glb"  # commands that read just this file are run on a tin
 RUN = ("inspect", "export", "render")
 TOO_DEAR = (".mp4",)
 SDK_GUIDE = "docs/guides/sdk.md"
+# Pages that begin at nothing: before the first command of the kind on the left they show every command on the right.
+PREPARED = {"docs/guides/capture.md": ("doppel ", ("tools/demo", "tools/models", "tools/deps colmap")),
+            "docs/guides/viewer.md": ("doppel-viewer ", ("tools/bootstrap", "cmake --build --preset release --target doppel_viewer"))}
 
 
 class Checker:
@@ -52,7 +55,7 @@ class Checker:
             self.commands += 1
             text = (self.root / "apps/xr/main.cpp").read_text()
             return [f"doppel-xr has no option {w}" for w in words[1:] if w.startswith("--") and f'"{w}"' not in text]
-        if program == "doppel-viewer":
+        if program == "doppel-viewer" or program.endswith("/doppel-viewer"):
             return self.check_viewer(words[1:])
         if program.startswith("tools/"):
             return self.check_script(program, words[1:])
@@ -123,6 +126,8 @@ class Checker:
                 wrong.append(f"there is no preset '{word}'")
             if before == "--component" and word not in self.build_text:
                 wrong.append(f"there is no component '{word}'")
+            if before == "--target" and not re.search(rf"\b{re.escape(word)}\b", self.build_text):
+                wrong.append(f"there is no target '{word}'")
             option = re.match(r"-D(DOPPEL_\w+)", word)
             if option and option.group(1) not in self.build_text:
                 wrong.append(f"there is no build option {option.group(1)}")
@@ -163,6 +168,19 @@ def sdk_packages_problems(root, page):
         yield f"{page.name}:{lines[0][0]}: apt-get and tools/packages-sdk.txt differ in {', '.join(sorted(named ^ wanted))}"
 
 
+def unprepared(page):
+    """The commands without which those of the page do not work for somebody who begins with it."""
+    use, needed = PREPARED.get(page.name, ("", ()))
+    before = []
+    for block in page.blocks:
+        for number, line in lines_of(block) if block.language == "sh" else ():
+            if not line.startswith(use):
+                before.append(" ".join(shlex.split(line, comments=True)))
+                continue
+            yield from (f"{page.name}:{number}: '{command}' must come before '{use.strip()}'" for command in needed if command not in before)
+            return
+
+
 def is_cheap(line):
     words = shlex.split(line, comments=True)
     return len(words) > 2 and words[0] == "doppel" and words[1] in RUN and words[2] == TINY_AVATAR and not line.endswith(TOO_DEAR) and not any(
@@ -176,6 +194,7 @@ def problems(root, doppel, make_avatar=None, viewer=None):
             continue
         if page.name == SDK_GUIDE:
             yield from sdk_packages_problems(root, page)
+        yield from unprepared(page)
         for number, line in commands_of(page):
             for problem in checker.check(line):
                 yield f"{page.name}:{number}: {problem}"

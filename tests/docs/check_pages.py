@@ -11,6 +11,8 @@ import markdown
 ROOMS = ("sdk", "shaders", "apps", "reconstruction", "tools", "tests", "docs", "platform")
 PATH = re.compile(r"(?:%s)/[\w./+-]*" % "|".join(ROOMS))
 MAX_ADR_WORDS = 500
+MAX_README_WORDS = 60
+README_NAMES = ("app engineers", "people who film", "studios", "iOS", "visionOS", "Android", "Quest", "Linux", "Windows")
 
 
 def link_problems(root, page, known):
@@ -100,6 +102,22 @@ def arrow_problems(root):
             yield f"docs/overview.md: the row of `{room}` should say: {wanted}"
 
 
+def readme_problems(root, page):
+    """Says first for whom and where; stays short."""
+    if page.name != "README.md":
+        return
+    paragraphs = [p for p in "\n".join(line for _, line in page.prose).split("\n\n") if not p.startswith(("#", "!", "|", "-"))]
+    paragraphs += [line for _, line in page.prose if line.startswith("-")]
+    first = next((line for _, line in page.prose if line and not line.startswith("#")), "")
+    for name in README_NAMES:
+        if name not in first:
+            yield f"README.md: its first paragraph does not say '{name}'"
+    for paragraph in paragraphs:
+        words = len(markdown.LINK.sub("link", paragraph).split())
+        if words > MAX_README_WORDS:
+            yield f"README.md: a paragraph of {words} words, at most {MAX_README_WORDS}: {paragraph[:60]}"
+
+
 def problems(root):
     yield from arrow_problems(root)
     all_pages = list(markdown.pages(root))
@@ -110,6 +128,7 @@ def problems(root):
         yield from table_problems(page)
         yield from adr_problems(page)
         yield from cited_problems(root, page)
+        yield from readme_problems(root, page)
         if not page.is_history():
             yield from path_problems(root, page)
 

@@ -78,9 +78,22 @@ class Checkers(unittest.TestCase):
 
     def test_commands(self):
         self.page("```sh\ndoppel render a.glb --size 8x8\ndoppel render a.glb --sise 8x8\ndoppel body import x -o y\ndoppel gone\n"
-                  "cmake --preset dev -DDOPPEL_TESTS=ON\ncmake --preset no -DDOPPEL_NO=ON\ntools/no\nrm x\n```\n`doppel render --inline`\n`doppel body import x -o y && doppel render a.glb --size 8x8`\n")
-        self.complaints(["no option --sise", "'doppel gone' does not exist", "no preset 'no'", "no build option DOPPEL_NO", "tools/no does not exist",
+                  "cmake --preset dev -DDOPPEL_TESTS=ON\ncmake --preset no -DDOPPEL_NO=ON\ncmake --build --preset dev --target gone\ntools/no\nrm x\n```\n`doppel render --inline`\n`doppel body import x -o y && doppel render a.glb --size 8x8`\n")
+        self.complaints(["no option --sise", "'doppel gone' does not exist", "no preset 'no'", "no build option DOPPEL_NO", "no target 'gone'", "tools/no does not exist",
                          "'rm' is no program", "no option --inline"], check_commands.problems(self.root, self.doppel))
+
+    def test_readme(self):
+        self.page("# Doppel\nFor app engineers, people who film and studios, on iOS, visionOS, Android, Linux and Windows.\n\n" + "word " * 61,
+                  "README.md")
+        self.complaints(["does not say 'Quest'", "a paragraph of 61 words"], check_pages.problems(self.root))
+
+    def test_what_a_page_must_show_first(self):
+        (self.root / "docs/guides").mkdir()
+        (self.root / "tools").mkdir()
+        (self.root / "tools/models").touch(), (self.root / "tools/demo").touch()
+        self.page("```sh\ntools/demo # once\ndoppel render a.glb\ntools/models\n```\n", "docs/guides/capture.md")
+        self.complaints(["3: 'tools/models' must come before 'doppel'", "3: 'tools/deps colmap' must come before 'doppel'"],
+                        check_commands.problems(self.root, self.doppel))
 
     def test_commands_of_the_viewer(self):
         self.page("```sh\ndoppel-viewer a.glb --room dark\ndoppel-viewer a.glb --rom dark\n```\n`doppel-viewer --inline`\n")
