@@ -95,7 +95,7 @@ protected:
     std::vector<std::string> ask(Seed seed) {
         did.clear();
         StageChain chain(folder_, progress_);
-        Run run(chain, jobs_, progress_);
+        dpl::Run run(chain, jobs_, progress_);
         run.put(seed, "seed");
         const auto made = run.get<T>();
         EXPECT_TRUE(made) << made.error().message;
@@ -124,7 +124,7 @@ TEST_F(Graph, onlyListedPartsDecide) {
 
 TEST_F(Graph, aStageCannotLookAtWhatItsInputsDoNotPull) {
     StageChain chain(folder_, progress_);
-    Run run(chain, jobs_, progress_);
+    dpl::Run run(chain, jobs_, progress_);
     run.put(Seed{3, 0}, "seed");
     const auto made = run.get<Peeping>();
     ASSERT_FALSE(made);
@@ -134,21 +134,21 @@ TEST_F(Graph, aStageCannotLookAtWhatItsInputsDoNotPull) {
 
 TEST_F(Graph, anArtefactCanBePutInPlaceOfItsStage) {
     StageChain chain(folder_, progress_);
-    Run run(chain, jobs_, progress_);
+    dpl::Run run(chain, jobs_, progress_);
     run.put(Doubled{100}, "given");
     const auto sum = run.get<Sum>();
     ASSERT_TRUE(sum) << sum.error().message;
     EXPECT_EQ((*sum)->value, 101);
     EXPECT_EQ(did, Steps{"sum"});
     StageChain otherChain(folder_, progress_);
-    Run other(otherChain, jobs_, progress_);
+    dpl::Run other(otherChain, jobs_, progress_);
     other.put(Doubled{100}, "another");
     EXPECT_NE(*run.keyOf<Sum>(), *other.keyOf<Sum>());
 }
 
 TEST_F(Graph, priorsOfTheNamedRoomsAreInTheKeyAndNoOthers) {
     StageChain chain(folder_, progress_);
-    Run run(chain, jobs_, progress_);
+    dpl::Run run(chain, jobs_, progress_);
     run.put(Seed{3, 0}, "seed");
     ASSERT_TRUE(run.get<Doubled>());
     const auto bytes = readFile(folder_ / "stages/doubled/manifest.json");

@@ -30,7 +30,7 @@ protected:
         std::string key;
     };
     Result<Trained> train() {
-        Run run(toy_.chain, toy_.jobs, toy_.progress);
+        dpl::Run run(toy_.chain, toy_.jobs, toy_.progress);
         toy_.give(run);
         DPL_TRY(const Training* training, run.get<Training>());
         DPL_TRY(const std::string key, run.keyOf<Training>());

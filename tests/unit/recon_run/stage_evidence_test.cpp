@@ -12,7 +12,7 @@ namespace {
 Result<MeasuredParts> measure(ToyReconstruction& toy) {
     toy.settings.training.steps = 250;  // so an avatar is trained on for 20 steps
     toy.settings.poseFit.iterations = 30;
-    Run run(toy.chain, toy.jobs, toy.progress);
+    dpl::Run run(toy.chain, toy.jobs, toy.progress);
     toy.giveTrained(run);
     DPL_TRY(const FrameTable* table, run.get<FrameTable>());
     DPL_TRY(FrameSet set, table->frames(Split::Train, toy.metric.cameras, toy.truth));

@@ -13,7 +13,7 @@ constexpr size_t kStill = 5, kMoving = 7;  // held-out frames
 class StagePoseFit : public testing::Test {
 protected:
     Result<FoundPoses> fit() {
-        Run run(toy_.chain, toy_.jobs, toy_.progress);
+        dpl::Run run(toy_.chain, toy_.jobs, toy_.progress);
         toy_.giveTrained(run);
         DPL_TRY(const FoundPoses* found, run.get<FoundPoses>());
         return *found;

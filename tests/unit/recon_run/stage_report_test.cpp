@@ -28,7 +28,7 @@ protected:
     }
     /** report.json, after a run of the stage. */
     nlohmann::json report() {
-        Run run(toy_.chain, toy_.jobs, toy_.progress);
+        dpl::Run run(toy_.chain, toy_.jobs, toy_.progress);
         toy_.giveTrained(run);
         run.put(mapped_, "map");
         run.put(found_, posesKey_);
@@ -60,8 +60,7 @@ protected:
                        {{"film_again", nlohmann::json::array()},
                         {"places", nlohmann::json::array({{{"name", "the face"}, {"mm_per_pixel", 1.5}, {"pictures", 7}}})}},
                        {},
-                       {},
-                       "map"};
+                       {}};
     std::filesystem::path folder_;
 };
 

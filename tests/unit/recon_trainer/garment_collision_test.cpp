@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "reconstruction/training/trainer/garment_collision.h"
+#include "reconstruction/subject/garments/priors.h"
 
 #include <cstdio>
 

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "reconstruction/training/trainer/priors.h"
 #include "reconstruction/training/trainer/rotation_vector.h"
 #include "tests/unit/recon_trainer/toy_scene.h"
 
