@@ -100,7 +100,7 @@ class Checker:
         options = [w.split("=")[0] for w in words if w.startswith("--")]
         text = path.read_text()
         if any(o not in text for o in options):  # its options are parsed elsewhere; its help names them
-            text += subprocess.run([path, "--help"], capture_output=True, text=True, timeout=60).stdout
+            text += subprocess.run([path, "--help"], capture_output=True, text=True, timeout=600).stdout
         return [f"{program} does not know {o}" for o in options if o not in text]
 
     def check_packages(self, words):

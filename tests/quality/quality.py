@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Reconstructs a small scan and compares its figures with the bars of bars.json: masked PSNR, alpha IoU, keypoints, bytes, time.
+"""Reconstructs a small scan and compares its figures with the bars of bars.json: masked PSNR, alpha IoU, keypoints, bytes. Prints the CPU time,
+which depends on the machine and on what else it does; docs/benchmarks/training.md judges that.
 
     quality.py DOPPEL WORKDIR procedural|scan-tiny              the gate: seed 1; exit 77 if the scan is absent
     quality.py DOPPEL WORKDIR procedural|scan-tiny --measure    seeds 1 to 5; rewrites the bars of this scan (README.md)
@@ -18,7 +19,6 @@ HERE = pathlib.Path(__file__).resolve().parent
 BARS = HERE / "bars.json"
 OPTIONS = ["--preset", "draft", "--steps", "600"]
 SEEDS = range(1, 6)
-BUDGET_CPU_S = 180  # 90 s on two cores; CPU time, because other tests may run at the same time
 MARGINS = {"dB": 0.5, "IoU": 0.005, "mm": 1.0}
 BYTES_MARGIN = 0.02  # of the mean
 LOWER_IS_BETTER = ("mm", "bytes")
@@ -111,9 +111,8 @@ def main():
     if "--measure" not in sys.argv:
         found, cpu_s = reconstruct(doppel, scan, work, SEEDS[0], log)
         missed = misses(found, bars[name])
-        met = cpu_s <= BUDGET_CPU_S
-        print(f"{'met   ' if met else 'MISSED'} time: {cpu_s:.0f} s of CPU, bar ≤ {BUDGET_CPU_S} s")
-        return 1 if missed or not met else 0
+        print(f"{cpu_s:.0f} s of CPU")
+        return 1 if missed else 0
     measured = []
     for seed in SEEDS:
         found, cpu_s = reconstruct(doppel, scan, work, seed, log)

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Sends to a window what a file manager and a window manager would: dropped files (XDND) and the wish to close. Uses libX11 through ctypes."""
 import ctypes
-import time
+import select
 
 CURRENT_TIME, NONE, PROP_REPLACE = 0, 0, 0
 SELECTION_REQUEST, SELECTION_NOTIFY, CLIENT_MESSAGE = 30, 31, 33
@@ -61,18 +61,17 @@ class Sender:
     def close(self, window):
         self.message(window, "WM_PROTOCOLS", self.atom("WM_DELETE_WINDOW"), CURRENT_TIME)
 
-    def drop(self, window, paths, timeout_s=20):
+    def drop(self, window, paths, timeout_s=600):
         """Drops the files and returns when the window has taken them."""
         selection, text = self.atom("XdndSelection"), self.atom("text/uri-list")
         self.x.XSetSelectionOwner(self.display, ctypes.c_ulong(selection), ctypes.c_ulong(self.source), ctypes.c_ulong(CURRENT_TIME))
         self.message(window, "XdndEnter", self.source, 5 << 24, text, NONE, NONE)
         self.message(window, "XdndPosition", self.source, 0, (50 << 16) | 50, CURRENT_TIME, self.atom("XdndActionCopy"))
         uris = "".join(f"file://{path}\r\n" for path in paths).encode()
-        end = time.monotonic() + timeout_s
-        while time.monotonic() < end:
+        connection = self.x.XConnectionNumber(self.display)
+        while self.x.XPending(self.display) or select.select([connection], [], [], timeout_s)[0]:
             if not self.x.XPending(self.display):
-                time.sleep(0.01)
-                continue
+                continue  # part of an event
             event = Event()
             self.x.XNextEvent(self.display, ctypes.byref(event))
             if event.type == CLIENT_MESSAGE and event.message.message_type == self.atom("XdndStatus"):

@@ -45,6 +45,21 @@ public final class Checks {
         }
     }
 
+    /** A condition that looks at the world, and may change it. */
+    public interface Condition {
+        boolean holds() throws Exception;
+    }
+
+    /** Looks again and again until the condition holds. False: it did not within ten minutes, which only what hangs takes. */
+    public static boolean waitUntil(Condition condition) throws Exception {
+        long end = System.nanoTime() + 600_000_000_000L;
+        while (!condition.holds()) {
+            if (System.nanoTime() - end > 0) return false;
+            Thread.sleep(2);
+        }
+        return true;
+    }
+
     /** A file as the view maps an asset: no copy. */
     public static ByteBuffer mapped(Path file) throws IOException {
         try (FileChannel channel = FileChannel.open(file, StandardOpenOption.READ)) {

@@ -188,16 +188,16 @@ final class JniTest {
 
     private void loadGoesOnInTheBackground() throws Exception {
         long load = Native.startLoad(context, file, 0, file.capacity());
-        float progress = 0;
-        boolean falls = false;
-        long end = System.nanoTime() + 20_000_000_000L;
-        while (statusOf(load)[0] < 3 && System.nanoTime() < end) {
-            float now = statusOf(load)[1];
-            falls |= now < progress;
-            progress = now;
-            Thread.sleep(1);
-        }
-        expect(statusOf(load)[0] == 3 && statusOf(load)[1] == 1 && !falls, "a load becomes ready, and its progress never falls");
+        float[] progress = {0};
+        boolean[] falls = {false};
+        boolean ended = Checks.waitUntil(() -> {
+            float[] now = statusOf(load);
+            falls[0] |= now[1] < progress[0];
+            progress[0] = now[1];
+            return now[0] >= 3;
+        });
+        expect(ended && statusOf(load)[0] == 3 && statusOf(load)[1] == 1 && !falls[0],
+                "a load becomes ready, and its progress never falls");
         long avatar = Native.finishLoad(load);
         expect(Native.avatarName(avatar).equals("tiny"), "and gives the avatar");
         expectError(DoppelException.INVALID_ARGUMENT, "", "a load that is finished", () -> statusOf(load));
@@ -207,12 +207,11 @@ final class JniTest {
     }
 
     /** Whether an object without other references is collected. */
-    private static boolean isCollected(WeakReference<?> reference) throws InterruptedException {
-        for (int i = 0; i < 100 && reference.get() != null; i++) {
+    private static boolean isCollected(WeakReference<?> reference) throws Exception {
+        return Checks.waitUntil(() -> {
             System.gc();
-            Thread.sleep(20);
-        }
-        return reference.get() == null;
+            return reference.get() == null;
+        });
     }
 
     private WeakReference<ByteBuffer> startAndCancel() throws Exception {

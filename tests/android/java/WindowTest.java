@@ -239,13 +239,12 @@ final class WindowTest {
         expect(status[0] < 3, "a load waits there before its upload ends: state " + status[0] + ", " + status[1]);
         FakeWindow again = new FakeWindow(Checks.WIDTH, Checks.HEIGHT);
         show(again);
-        int frames = 0;
-        for (; frames < 200 && status[0] < 3; frames++) {
+        boolean ended = Checks.waitUntil(() -> {
             Native.drawView(view, new long[0], Checks.CAMERA, null, 0, 0, BLUE);
             Native.loadStatus(load, status);
-            Thread.sleep(5);
-        }
-        expect(status[0] == 3, "and is ready " + frames + " frames after it has come back");
+            return status[0] >= 3;
+        });
+        expect(ended && status[0] == 3, "and is ready after it has come back");
         Native.destroyAvatar(Native.finishLoad(load));
         end(again, "a load that ended");
     }

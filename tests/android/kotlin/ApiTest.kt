@@ -210,8 +210,10 @@ private class ApiTest(private val work: Path) {
     }
 
     private fun drawUntilLoaded(stage: AvatarStage, told: Recorder): Boolean {
-        var frames = 0
-        while (told.loaded == null && told.error == null && frames++ < 2000) draw(stage, 1)
+        Checks.waitUntil {
+            draw(stage, 1)
+            told.loaded != null || told.error != null
+        }
         return told.loaded != null
     }
 

@@ -5,13 +5,12 @@
 #include <gtest/gtest.h>
 
 #include <atomic>
-#include <chrono>
 #include <memory>
-#include <thread>
 #include <vector>
 
 #include "sdk/format/ply.h"
 #include "sdk/include/doppel/doppel.h"
+#include "tests/unit/wait_until.h"
 
 namespace dpl::test {
 
@@ -61,16 +60,16 @@ public:
     }
     /** Waits until the load is in this state or beyond. */
     bool reaches(DplLoadState wanted) {
-        const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(60);
-        while (state() < wanted && std::chrono::steady_clock::now() < end) std::this_thread::sleep_for(std::chrono::microseconds(200));
-        return state() >= wanted;
+        return waitUntil([&] { return state() >= wanted; });
+    }
+    /** Waits until that share of the load is done, or the load is over. */
+    bool reachesShare(float share) {
+        return waitUntil([&] { return state() >= DPL_LOAD_READY || progress >= share; });
     }
     int released() const { return *released_; }
     /** The library gives the bytes back soon after a cancelled load has noticed. */
     bool isReleased() const {
-        const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(60);
-        while (*released_ == 0 && std::chrono::steady_clock::now() < end) std::this_thread::sleep_for(std::chrono::microseconds(200));
-        return *released_ == 1;
+        return waitUntil([&] { return *released_ > 0; }) && *released_ == 1;
     }
 
     DplLoad handle = nullptr;

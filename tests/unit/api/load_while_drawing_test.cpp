@@ -1,17 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 // While one thread loads an avatar, others draw: the context is locked only while the prepared avatar is added.
 #include <atomic>
-#include <chrono>
 #include <condition_variable>
 #include <mutex>
 #include <thread>
 
 #include "tests/unit/api/api_fixture.h"
+#include "tests/unit/wait_until.h"
 
 namespace dpl::test {
 namespace {
-
-constexpr auto kPatience = std::chrono::seconds(60);  // only a load that holds the lock waits so long
 
 /** The log callback holds a load at the end of its preparation until the test lets it go. */
 class Gate {

@@ -9,7 +9,7 @@ if ! command -v node >/dev/null || ! command -v npm >/dev/null; then
 fi
 if [ ! -d "$folder/node_modules/gltf-validator" ]; then
     mkdir -p "$folder"
-    if ! timeout 120 npm install --prefix "$folder" --no-fund --no-audit --silent gltf-validator@2.0.0-dev.3.10 >"$folder/npm.log" 2>&1; then
+    if ! timeout 600 npm install --prefix "$folder" --no-fund --no-audit --silent gltf-validator@2.0.0-dev.3.10 >"$folder/npm.log" 2>&1; then
         echo "skipped: gltf-validator could not be installed from the npm registry:"
         tail -3 "$folder/npm.log"
         exit 77

@@ -21,6 +21,7 @@ constexpr VkFormat kFormat = VK_FORMAT_R8G8B8A8_UNORM;
 constexpr uint32_t kSide = 64;
 constexpr uint32_t kSplats = 40000;    // 160 bytes each
 constexpr uint32_t kFewestSlices = 6;  // of 1 MiB
+constexpr float kUploadBegins = 0.7f;  // progress of a load
 
 class InteropLoad : public testing::Test {
 protected:
@@ -120,6 +121,20 @@ protected:
         EXPECT_EQ(dplVulkanUpload(context_, commands, slot), DPL_OK) << dplGetLastError();
         app_->submit(slot);
     }
+    /** Calls next(slot) for frame after frame until the load is over, or has that progress. Returns how many frames that took. */
+    template <class Frame>
+    uint32_t framesUntil(float progress, BackgroundLoad& load, Frame next) {
+        uint32_t frames = 0;
+        EXPECT_TRUE(waitUntil([&] {
+            if (load.state() >= DPL_LOAD_READY || load.progress >= progress) return true;
+            next(frames++ % DPL_VULKAN_SLOTS);
+            return false;
+        }));
+        return frames;
+    }
+    void emptyFramesUntilReady(BackgroundLoad& load) {
+        framesUntil(1, load, [&](uint32_t slot) { emptyFrame(slot); });
+    }
     std::vector<uint8_t> picture(DplAvatar avatar) {
         app_->upload(image_, 0, std::vector<uint8_t>(size_t(kSide) * kSide * 4));
         frame(0, avatar);
@@ -158,21 +173,18 @@ TEST_F(InteropLoad, framesCarryTheUploadAndDoNothingElseForIt) {
     OPEN_OR_SKIP();
     const auto ball = ballOfSplats(kSplats);
     const std::vector<uint8_t> expected = pictureOfLoadAvatar(ball), tiny = picture(shown_);
-    uint32_t n = 0;
     Cost without, with;
-    for (; n < 12; ++n) frame(n % DPL_VULKAN_SLOTS, shown_, n < 6 ? nullptr : &without);
+    for (uint32_t n = 0; n < 12; ++n) frame(n % DPL_VULKAN_SLOTS, shown_, n < 6 ? nullptr : &without);
     BackgroundLoad load;
     ASSERT_NO_FATAL_FAILURE(startUploading(load, ball));
-    uint32_t frames = 0;
-    for (; load.state() < DPL_LOAD_READY && frames < 2000; ++frames, ++n) frame(n % DPL_VULKAN_SLOTS, shown_, &with);
-    EXPECT_GE(frames, kFewestSlices);
+    EXPECT_GE(framesUntil(1, load, [&](uint32_t slot) { frame(slot, shown_, &with); }), kFewestSlices);
     for (const auto& [name, count] : with.calls) EXPECT_TRUE(without.calls.count(name)) << name << ", " << count << " times";
     EXPECT_EQ(with.count("Submit") + with.count("Wait") + with.count("Create") + with.count("Allocate") + with.count("Map"), 0u);
     vulkan_.watchThread();
     const DplAvatar avatar = finished(load);
     EXPECT_TRUE(vulkan_.watchedCalls().empty()) << "a ready load is only handed over";
     Cost first;
-    frame(n++ % DPL_VULKAN_SLOTS, avatar, &first);
+    frame(0, avatar, &first);
     EXPECT_EQ(first.count("Submit") + first.count("WaitForFences"), 0u) << "the first frame makes what it needs, and does not wait";
     app_->waitAll();
     EXPECT_EQ(picture(avatar), expected);
@@ -182,13 +194,12 @@ TEST_F(InteropLoad, framesCarryTheUploadAndDoNothingElseForIt) {
 
 TEST_F(InteropLoad, aFrameWithASliceAllocatesNothing) {
     OPEN_OR_SKIP(/*plain=*/true);
-    uint32_t n = 0;
     Cost without, with;
-    for (; n < 60; ++n) frame(n % DPL_VULKAN_SLOTS, shown_, n < 6 ? nullptr : &without);
+    for (uint32_t n = 0; n < 60; ++n) frame(n % DPL_VULKAN_SLOTS, shown_, n < 6 ? nullptr : &without);
     BackgroundLoad load;
     const auto ball = ballOfSplats(4 * kSplats);
     ASSERT_NO_FATAL_FAILURE(startUploading(load, ball));
-    for (; load.state() < DPL_LOAD_READY && n < 2000; ++n) frame(n % DPL_VULKAN_SLOTS, shown_, &with);
+    framesUntil(1, load, [&](uint32_t slot) { frame(slot, shown_, &with); });
     EXPECT_EQ(without.allocations, 0u);
     EXPECT_EQ(with.allocations, 0u);
     EXPECT_GE(with.ms.size(), 4 * kFewestSlices);
@@ -210,7 +221,7 @@ TEST_F(InteropLoad, aProgramThatDrawsNothingUploadsToo) {
         std::this_thread::sleep_for(std::chrono::milliseconds(1));
         ASSERT_EQ(load.state(), DPL_LOAD_UPLOADING) << "it waits for frames";
     }
-    for (uint32_t n = 0; load.state() < DPL_LOAD_READY && n < 2000; ++n) emptyFrame(n % DPL_VULKAN_SLOTS);
+    emptyFramesUntilReady(load);
     app_->waitAll();
     ASSERT_TRUE(load.reaches(DPL_LOAD_READY)) << "the GPU says when it has run the last copy; no further frame is needed";
     const DplAvatar avatar = finished(load);
@@ -228,14 +239,14 @@ TEST_F(InteropLoad, slicesOfDroppedCommandsAreRecordedAgain) {
     const std::vector<uint8_t> expected = pictureOfLoadAvatar(ball);
     BackgroundLoad load;
     ASSERT_NO_FATAL_FAILURE(startUploading(load, ball));
-    for (uint32_t n = 0; load.state() < DPL_LOAD_READY && n < 2000; ++n) {
+    framesUntil(1, load, [&](uint32_t) {
         emptyFrame(0);
         const VkCommandBuffer dropped = app_->begin(1);
         ASSERT_EQ(dplVulkanUpload(context_, dropped, 1), DPL_OK) << dplGetLastError();
         ASSERT_EQ(vkResetCommandBuffer(dropped, 0), VK_SUCCESS);
         app_->begin(1), app_->submit(1);
         ASSERT_EQ(dplVulkanDropSlot(context_, 1), DPL_OK);
-    }
+    });
     app_->waitAll();
     ASSERT_TRUE(load.reaches(DPL_LOAD_READY));
     const DplAvatar avatar = finished(load);
@@ -249,8 +260,7 @@ TEST_F(InteropLoad, finishingEarlySubmitsTheRestWhateverTheCommandsHold) {
     const std::vector<uint8_t> expected = pictureOfLoadAvatar(ball);
     BackgroundLoad load;
     ASSERT_NO_FATAL_FAILURE(startUploading(load, ball));
-    emptyFrame(0);
-    std::this_thread::sleep_for(std::chrono::milliseconds(5));
+    framesUntil(kUploadBegins + 0.01f, load, [&](uint32_t) { emptyFrame(0); });
     const VkCommandBuffer open = app_->begin(1);
     ASSERT_EQ(dplVulkanUpload(context_, open, 1), DPL_OK) << dplGetLastError();
     const DplAvatar avatar = finished(load);  // while commands with slices are recorded and not submitted
@@ -270,8 +280,7 @@ TEST_F(InteropLoad, cancelledAtAnyStageItLeavesNothing) {
         BackgroundLoad load;
         ASSERT_EQ(load.start(context_, ball), DPL_OK) << dplGetLastError();
         ASSERT_TRUE(load.reaches(stage == 0 ? DPL_LOAD_WAITING : stage == 1 ? DPL_LOAD_DECODING : DPL_LOAD_UPLOADING));
-        for (int n = 2; n < stage; ++n)
-            emptyFrame(uint32_t(n) % DPL_VULKAN_SLOTS), std::this_thread::sleep_for(std::chrono::milliseconds(2));
+        if (stage > 2) framesUntil(kUploadBegins + 0.03f * float(stage - 2), load, [&](uint32_t slot) { emptyFrame(slot); });
         const VkCommandBuffer open = app_->begin(2);
         ASSERT_EQ(dplVulkanUpload(context_, open, 2), DPL_OK) << dplGetLastError();
         ASSERT_EQ(dplCancelLoad(load.handle), DPL_OK) << dplGetLastError();
@@ -281,7 +290,7 @@ TEST_F(InteropLoad, cancelledAtAnyStageItLeavesNothing) {
         const auto bytes = tinyFile();
         ASSERT_EQ(next.start(context_, bytes), DPL_OK);
         ASSERT_TRUE(next.reaches(DPL_LOAD_UPLOADING));
-        for (uint32_t n = 0; n < 2000 && next.state() < DPL_LOAD_READY; ++n) emptyFrame(n % DPL_VULKAN_SLOTS);
+        emptyFramesUntilReady(next);
         ASSERT_TRUE(next.reaches(DPL_LOAD_READY));
         ASSERT_EQ(dplCancelLoad(next.handle), DPL_OK);
         for (uint32_t n = 0; n < 3 * DPL_VULKAN_SLOTS; ++n) emptyFrame(n % DPL_VULKAN_SLOTS);
@@ -333,7 +342,7 @@ TEST_F(InteropLoad, aNewDeviceTakesOverWhatLoadsHaveBegun) {
     ASSERT_TRUE(uploading.reaches(DPL_LOAD_READY));
     const DplAvatar first = finished(uploading);
     EXPECT_EQ(picture(first), expected);
-    for (uint32_t n = 0; decoding.state() < DPL_LOAD_READY && n < 20000; ++n) emptyFrame(n % DPL_VULKAN_SLOTS);
+    emptyFramesUntilReady(decoding);
     const DplAvatar second = finished(decoding);
     EXPECT_EQ(picture(second), expected);
     EXPECT_EQ(dplDestroyAvatar(first), DPL_OK);
