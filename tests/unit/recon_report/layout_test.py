@@ -50,7 +50,7 @@ def measures(chromium, page, folder):
     frames = "".join(f'<iframe name="{w}" src="page.html" width={w} height={h} style="border:0"></iframe>' for w, h in SCREENS)
     (folder / "frame.html").write_text(FRAME % frames, encoding="utf-8")
     run = subprocess.run([chromium, *FLAGS, f"--user-data-dir={folder / 'profile'}", "--dump-dom", (folder / "frame.html").as_uri()],
-                         capture_output=True, text=True, timeout=240)
+                         capture_output=True, text=True, timeout=600)
     found = re.search(r'data-seen="([^"]*)"', run.stdout)
     if not found:
         sys.exit(f"FAILED: Chromium measured nothing in {page}:\n{run.stderr[-2000:]}")
