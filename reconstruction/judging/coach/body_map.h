@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "reconstruction/input/capture/frame_picture.h"
-#include "reconstruction/judging/coach/body_places.h"
+#include "reconstruction/subject/surface/body_places.h"
 #include "sdk/avatar/rig.h"
 #include "sdk/core/jobs.h"
 

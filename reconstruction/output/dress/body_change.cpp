@@ -2,9 +2,8 @@
 #include "reconstruction/output/dress/body_change.h"
 
 #include <algorithm>
-#include <cmath>
-#include <numbers>
 
+#include "reconstruction/output/dress/seen_skin.h"
 #include "reconstruction/output/dress/splat_fill.h"
 #include "reconstruction/subject/garments/garment_cover.h"
 #include "reconstruction/subject/surface/mesh_raster.h"
@@ -14,29 +13,7 @@
 namespace dpl {
 namespace {
 
-constexpr uint32_t kSidePx = 640;
-constexpr uint32_t kAzimuths = 12;
-constexpr double kElevations[] = {-0.5, 0, 0.7};  // from below too: legs inside a skirt
-constexpr int kEdgeRings = 3;                     // of seen skin beside clothes whose colour may be the clothes'
-
-/** 1 for each triangle of the body, the mesh's first ones, that shows from some side at rest. The views depend on the body alone. */
-Marks seenTriangles(const SurfaceMesh& mesh, const MeshData& body, Jobs& jobs) {
-    const size_t bodyTriangles = body.triangles.size();
-    Vec3f low(1e30f), high(-1e30f);
-    for (const Vec3f& p : body.restPositions) low = glm::min(low, p), high = glm::max(high, p);
-    constexpr size_t kViews = kAzimuths * std::size(kElevations);
-    std::vector<Marks> ofView(kViews, Marks(bodyTriangles, 0));
-    jobs.forBlocks(kViews, [&](size_t view, uint32_t) {
-        const double azimuth = 2 * std::numbers::pi * double(view % kAzimuths) / kAzimuths;
-        const Camerad camera = orbitBox(low, high, azimuth, kElevations[view / kAzimuths], kSidePx);
-        for (const uint32_t t : rasteriseMesh(mesh.positions, mesh.triangles, camera).triangle)
-            if (t < bodyTriangles) ofView[view][t] = 1;
-    });
-    Marks seen(bodyTriangles, 0);
-    for (const Marks& view : ofView)
-        for (size_t t = 0; t < bodyTriangles; ++t) seen[t] |= view[t];
-    return seen;
-}
+constexpr int kEdgeRings = 3;  // of seen skin beside clothes whose colour may be the clothes'
 
 SurfaceMesh joined(std::span<const LayerPart> parts) {
     SurfaceMesh out;
@@ -64,17 +41,6 @@ Marks coveredBy(const MeshData& body, const std::vector<SurfaceMesh>& garments, 
     return covered;
 }
 
-Marks grown(Marks marked, const Neighbours& neighbours, int rings) {
-    for (int ring = 0; ring < rings; ++ring) {
-        Marks next = marked;
-        for (size_t t = 0; t < marked.size(); ++t)
-            if (marked[t])
-                for (const uint32_t other : neighbours[t]) next[other] = 1;
-        marked = std::move(next);
-    }
-    return marked;
-}
-
 }  // namespace
 
 BodyChange changeBody(const AvatarData& before, size_t kept, std::span<LayerPart> worn, Jobs& jobs) {
@@ -82,13 +48,22 @@ BodyChange changeBody(const AvatarData& before, size_t kept, std::span<LayerPart
     const size_t count = body.mesh.triangles.size();
     const Neighbours neighbours = triangleNeighbours(body.mesh);
     std::vector<SurfaceMesh> oldClothes, keptClothes, newClothes;
-    for (size_t layer = 1; layer < before.mesh.layers.size(); ++layer) oldClothes.push_back(takeLayer(before, layer).surface());
+    std::vector<LayerPart> takenOff;
+    for (size_t layer = 1; layer < before.mesh.layers.size(); ++layer) {
+        LayerPart part = takeLayer(before, layer);
+        oldClothes.push_back(part.surface());
+        const auto stays = [&](const LayerPart& other) { return other.name == part.name; };
+        if (std::none_of(worn.begin() + 1, worn.begin() + long(kept), stays)) takenOff.push_back(std::move(part));
+    }
     for (size_t i = 1; i < worn.size(); ++i) (i < kept ? keptClothes : newClothes).push_back(worn[i].surface());
     const Marks belowOld = coveredBy(body.mesh, oldClothes, jobs), belowKept = coveredBy(body.mesh, keptClothes, jobs),
                 belowNew = coveredBy(body.mesh, newClothes, jobs);
-    const Marks seenBefore = seenTriangles({before.mesh.restPositions, before.mesh.triangles}, body.mesh, jobs);
-    const Marks seenNow = seenTriangles(joined(worn), body.mesh, jobs);
+    Marks belowAny = belowKept;
+    for (size_t t = 0; t < count; ++t) belowAny[t] |= belowNew[t];
+    const Marks seenBefore = shownTriangles({before.mesh.restPositions, before.mesh.triangles}, body.mesh, belowOld, jobs);
     BodyChange change;
+    change.shown = shownTriangles(joined(worn), body.mesh, belowAny, jobs);
+    const Marks seenNow(change.shown.begin(), change.shown.begin() + long(count));
     Marks hidden(count), changed(count);
     for (size_t t = 0; t < count; ++t) {
         hidden[t] = belowOld[t] || !seenBefore[t];
@@ -96,15 +71,23 @@ BodyChange changeBody(const AvatarData& before, size_t kept, std::span<LayerPart
     }
 
     const Marks shown = grown(seenNow, neighbours, kRingsBelowClothes);
-    const Marks distrusted = grown(std::move(hidden), neighbours, kEdgeRings);
     const Marks near = grown(std::move(changed), neighbours, kRingsBelowClothes);
+    const Marks distrusted = grown(hidden, neighbours, kEdgeRings);
+    const std::vector<Vec3f> around = coloursAround(body, distrusted, neighbours);
+    // What pictures saw stays, but for skin beside the old clothes that has taken their colour, and never in the face.
+    const Marks captured = capturedTriangles(before.captureMap, body.mesh), face = faceTriangles(before.joints, body.mesh);
+    Marks edge(count);
+    for (size_t t = 0; t < count; ++t) edge[t] = distrusted[t] && seenBefore[t] && (belowOld[t] || !face[t]);
+    const Marks stained = clothColoured(body, edge, around, takenOff);
     Marks fill(count, 0), empty(count, 0);
     for (size_t t = 0; t < count; ++t) {
-        if (belowKept[t] || !near[t] || (shown[t] && !distrusted[t])) continue;
+        const bool photographed = seenBefore[t] && captured[t] && body.splats.triangleStart[t] != body.splats.triangleStart[t + 1];
+        const bool keeps = !distrusted[t] || (photographed && !stained[t]);
+        if (belowKept[t] || !near[t] || (shown[t] && keeps)) continue;
         (shown[t] ? fill : empty)[t] = 1;
         change.clearedTriangles += !shown[t] && body.splats.triangleStart[t] != body.splats.triangleStart[t + 1];
     }
-    change.filledTriangles = fillSplats(fill, empty, distrusted, neighbours, body);
+    change.filledTriangles = fillSplats(fill, empty, distrusted, around, body);
     change.noSkin = change.filledTriangles == 0 && std::find(fill.begin(), fill.end(), 1) != fill.end();
     return change;
 }

@@ -8,12 +8,14 @@
 #include "reconstruction/output/dress/body_change.h"
 #include "reconstruction/output/dress/layer_part.h"
 #include "reconstruction/output/dress/refit.h"
+#include "reconstruction/output/dress/seen_skin.h"
 #include "reconstruction/output/dress/splat_fill.h"
 #include "reconstruction/output/package/avatar_bytes.h"
 #include "reconstruction/output/package/sh_palette.h"
 #include "reconstruction/subject/garments/cloth_weights.h"
 #include "reconstruction/subject/garments/clothed_mesh.h"
 #include "reconstruction/subject/garments/resting_hands.h"
+#include "reconstruction/training/trainer/init.h"
 #include "sdk/format/avatar_file.h"
 #include "sdk/format/correctives.h"
 
@@ -138,8 +140,7 @@ Result<DressedLayer> fitPart(const NamedAvatar& wearer, std::span<const LayerPar
         if (rankOf(other.name) == kDressLayers.size()) continue;  // not known whether it goes over or under
         (rankOf(other.name) < rankOf(part.name) ? obstacles.below : obstacles.above).emplace_back(other.surface());
     }
-    DressedLayer done{
-        part.name, garment.from->file, garment.from->avatar.name, false, uint32_t(part.mesh.triangles.size()), part.splats.count(), 0, 0};
+    DressedLayer done{part.name, garment.from->file, garment.from->avatar.name, false, uint32_t(part.mesh.triangles.size()), 0, 0, 0};
     DPL_TRY(done.insideBody, pushOut(obstacles, carried.clearanceM, fitted));
     for (size_t v = 0; v < old.positions.size(); ++v)
         done.meanMoveM += glm::length(fitted.positions[v] - old.positions[v]) / float(old.positions.size());
@@ -150,7 +151,6 @@ Result<DressedLayer> fitPart(const NamedAvatar& wearer, std::span<const LayerPar
     part.mesh.jointIndices = std::move(weights.joints);
     part.mesh.jointWeights = std::move(weights.weights);
     movePart(std::move(fitted.positions), part);
-    mendGarment(part);
     return done;
 }
 
@@ -168,6 +168,18 @@ Status liftOver(const AvatarData& wearer, const LayerPart& part, std::span<Layer
         movePart(std::move(lifted.positions), other);
     }
     return {};
+}
+
+/** Fills cloth that shows now and that the body or other clothes hid on the avatar it comes from. shown: of its triangles, now. */
+void mendUncovered(const Garment& garment, Marks shown, LayerPart& part, Jobs& jobs) {
+    const AvatarData& from = garment.from->avatar;
+    const LayerData& layer = from.mesh.layers[layerIndex(from, garment.layer)];
+    const LayerPart body = takeLayer(from, 0);
+    const Marks before =
+        shownTriangles({from.mesh.restPositions, from.mesh.triangles}, body.mesh, Marks(body.mesh.triangles.size(), 1), jobs);
+    Marks uncovered = grown(std::move(shown), triangleNeighbours(part.mesh), 1);  // the views may miss a narrow strip
+    for (uint32_t t = 0; t < layer.triangleCount; ++t) uncovered[t] &= uint8_t(!before[layer.firstTriangle + t]);
+    mendGarment(uncovered, part);
 }
 
 /** Which garments the evidence names: those that are worn. */
@@ -222,6 +234,7 @@ Result<Dressed> dressAvatar(const NamedAvatar& wearer, std::span<const Garment> 
         ++correctives.nodeCount;
         correctives.nodes.resize(size_t(correctives.nodeCount) * correctives.modeCount, Vec4f(0));
     }
+    size_t newTriangles = 0;
     for (size_t i = 0; i < inOrder.size(); ++i) {
         const Garment& garment = inOrder[i];
         DPL_RETURN_IF_ERROR(report(0.1 + 0.5 * double(i) / double(inOrder.size()), "fitting " + garment.layer));
@@ -231,12 +244,19 @@ Result<Dressed> dressAvatar(const NamedAvatar& wearer, std::span<const Garment> 
         out.layers.push_back(std::move(done));
         DPL_RETURN_IF_ERROR(liftOver(wearer.avatar, part, worn));
         if (!correctives.empty()) followNeighbours(std::span<const LayerPart>(worn).first(kept), zeroNode, part);
+        newTriangles += part.mesh.triangles.size();
         worn.push_back(std::move(part));
     }
 
     DPL_RETURN_IF_ERROR(report(0.6, "skin that the change uncovers"));
     const BodyChange change = changeBody(wearer.avatar, kept, worn, jobs);
     out.filledSkinTriangles = change.filledTriangles, out.clearedSkinTriangles = change.clearedTriangles, out.noSkin = change.noSkin;
+    for (size_t i = kept, first = change.shown.size() - newTriangles; i < worn.size(); ++i) {
+        const auto begin = change.shown.begin() + long(first), end = begin + long(worn[i].mesh.triangles.size());
+        mendUncovered(inOrder[i - kept], Marks(begin, end), worn[i], jobs);
+        out.layers[i - kept].splats = worn[i].splats.count();
+        first += worn[i].mesh.triangles.size();
+    }
     joinLayers(worn, avatar);
     separateLayers(avatar.mesh);
     avatar.generator = "doppel dress";

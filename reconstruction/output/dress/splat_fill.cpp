@@ -23,39 +23,14 @@ double areaOf(const MeshData& mesh, size_t triangle) {
     return 0.5 * glm::length(glm::cross(b - a, c - a));
 }
 
-/** Display colour of triangles from splats of trusted ones, spread to the others and smoothed there. splatsPerM2: of the trusted
- *  ones; 0 if there are none. */
-struct SpreadColours {
-    std::vector<Vec3f> colour;
-    double splatsPerM2 = 0;
-};
-
-SpreadColours coloursAround(const LayerPart& part, const Marks& distrusted, const Neighbours& neighbours) {
-    const SplatData& s = part.splats;
-    std::vector<Vec4f> weighted(distrusted.size(), Vec4f(0));
+/** Splats for each square metre of the trusted triangles; 0 if they have none. */
+double splatDensity(const LayerPart& part, const Marks& distrusted) {
     double splats = 0, area = 0;
     for (size_t t = 0; t < distrusted.size(); ++t) {
-        const uint32_t begin = s.triangleStart[t], end = s.triangleStart[t + 1];
-        if (distrusted[t] || begin == end) continue;
-        splats += end - begin, area += areaOf(part.mesh, t);
-        for (uint32_t i = begin; i < end; ++i) {
-            const float* sh = &s.sh[i * 3 * size_t(shCoefficientCount(s.shDegree))];
-            const Vec3f colour = glm::clamp(0.5f + float(kShC0) * Vec3f(sh[0], sh[1], sh[2]), 0.0f, 1.0f);
-            weighted[t] += s.opacity[i] * s.scaleM[i].x * s.scaleM[i].y * Vec4f(colour, 1.0f);
-        }
+        const uint32_t count = part.splats.triangleStart[t + 1] - part.splats.triangleStart[t];
+        if (!distrusted[t] && count > 0) splats += count, area += areaOf(part.mesh, t);
     }
-    SpreadColours out{spreadColours(weighted, neighbours), area > 0 ? splats / area : 0};
-    for (int round = 0; round < kSmoothings; ++round) {
-        std::vector<Vec3f> next = out.colour;
-        for (size_t t = 0; t < distrusted.size(); ++t) {
-            if (!distrusted[t] || neighbours[t].empty()) continue;
-            Vec3f sum(0);
-            for (const uint32_t other : neighbours[t]) sum += out.colour[other];
-            next[t] = sum / float(neighbours[t].size());
-        }
-        out.colour = std::move(next);
-    }
-    return out;
+    return area > 0 ? splats / area : 0;
 }
 
 /** Appends `count` splats of one colour to a triangle, at evenly spread places. */
@@ -83,6 +58,16 @@ Marks faceFlags(const LayerPart& part) {
     return flags;
 }
 
+/** 1 for vertices of a triangle whose splats stay: their colours stay too. */
+Marks verticesThatStay(const LayerPart& part, const Marks& fill, const Marks& empty) {
+    Marks kept(part.mesh.restPositions.size(), 0);
+    for (size_t t = 0; t < fill.size(); ++t) {
+        if (fill[t] || empty[t] || part.splats.triangleStart[t] == part.splats.triangleStart[t + 1]) continue;
+        for (int k = 0; k < 3; ++k) kept[part.mesh.triangles[t][k]] = 1;
+    }
+    return kept;
+}
+
 void copySplats(const SplatData& from, size_t begin, size_t end, SplatData& to) {
     const auto add = [&](auto& into, const auto& values, size_t width) {
         into.insert(into.end(), values.begin() + long(begin * width), values.begin() + long(end * width));
@@ -93,8 +78,38 @@ void copySplats(const SplatData& from, size_t begin, size_t end, SplatData& to) 
 
 }  // namespace
 
-uint32_t fillSplats(const Marks& fill, const Marks& empty, const Marks& distrusted, const Neighbours& neighbours, LayerPart& part) {
-    const SpreadColours around = coloursAround(part, distrusted, neighbours);
+std::vector<Vec4f> splatColours(const LayerPart& part) {
+    const SplatData& s = part.splats;
+    std::vector<Vec4f> out(part.mesh.triangles.size(), Vec4f(0));
+    for (size_t t = 0; t < out.size(); ++t)
+        for (uint32_t i = s.triangleStart[t]; i < s.triangleStart[t + 1]; ++i) {
+            const float* sh = &s.sh[i * 3 * size_t(shCoefficientCount(s.shDegree))];
+            const Vec3f colour = glm::clamp(0.5f + float(kShC0) * Vec3f(sh[0], sh[1], sh[2]), 0.0f, 1.0f);
+            out[t] += s.opacity[i] * s.scaleM[i].x * s.scaleM[i].y * Vec4f(colour, 1.0f);
+        }
+    return out;
+}
+
+std::vector<Vec3f> coloursAround(const LayerPart& part, const Marks& distrusted, const Neighbours& neighbours) {
+    std::vector<Vec4f> weighted = splatColours(part);
+    for (size_t t = 0; t < weighted.size(); ++t)
+        if (distrusted[t]) weighted[t] = Vec4f(0);
+    std::vector<Vec3f> out = spreadColours(weighted, neighbours);
+    for (int round = 0; round < kSmoothings; ++round) {
+        std::vector<Vec3f> next = out;
+        for (size_t t = 0; t < distrusted.size(); ++t) {
+            if (!distrusted[t] || neighbours[t].empty()) continue;
+            Vec3f sum(0);
+            for (const uint32_t other : neighbours[t]) sum += out[other];
+            next[t] = sum / float(neighbours[t].size());
+        }
+        out = std::move(next);
+    }
+    return out;
+}
+
+uint32_t fillSplats(const Marks& fill, const Marks& empty, const Marks& distrusted, std::span<const Vec3f> around, LayerPart& part) {
+    const double splatsPerM2 = splatDensity(part, distrusted);
     const Marks flags = faceFlags(part);
     uint8_t kind = 0;  // cloth or not: as the part's other splats
     for (const uint8_t flag : part.splats.flags) kind |= flag & kSplatCloth;
@@ -102,14 +117,15 @@ uint32_t fillSplats(const Marks& fill, const Marks& empty, const Marks& distrust
     splats.shDegree = part.splats.shDegree;
     splats.triangleStart = {0};
     uint32_t filled = 0;
+    const Marks kept = verticesThatStay(part, fill, empty);
     for (size_t t = 0; t < fill.size(); ++t) {
         const double area = areaOf(part.mesh, t);
-        if (fill[t] && around.splatsPerM2 > 0 && area > 0) {
+        if (fill[t] && splatsPerM2 > 0 && area > 0) {
             ++filled;
-            fillTriangle(around.colour[t], area, uint32_t(std::max(1.0, std::round(area * around.splatsPerM2))), uint8_t(flags[t] | kind),
-                         splats);
+            fillTriangle(around[t], area, uint32_t(std::max(1.0, std::round(area * splatsPerM2))), uint8_t(flags[t] | kind), splats);
             for (int k = 0; k < 3; ++k)
-                part.mesh.colours[part.mesh.triangles[t][k]] = glm::u8vec4(glm::u8vec3(glm::round(around.colour[t] * 255.0f)), 255);
+                if (const uint32_t v = part.mesh.triangles[t][k]; !kept[v])
+                    part.mesh.colours[v] = glm::u8vec4(glm::u8vec3(glm::round(around[t] * 255.0f)), 255);
         } else if (!empty[t] && !fill[t]) {
             copySplats(part.splats, part.splats.triangleStart[t], part.splats.triangleStart[t + 1], splats);
         }
@@ -119,7 +135,18 @@ uint32_t fillSplats(const Marks& fill, const Marks& empty, const Marks& distrust
     return filled;
 }
 
-uint32_t mendGarment(LayerPart& garment) {
+Marks grown(Marks marked, const Neighbours& neighbours, int rings) {
+    for (int ring = 0; ring < rings; ++ring) {
+        Marks next = marked;
+        for (size_t t = 0; t < marked.size(); ++t)
+            if (marked[t])
+                for (const uint32_t other : neighbours[t]) next[other] = 1;
+        marked = std::move(next);
+    }
+    return marked;
+}
+
+uint32_t mendGarment(const Marks& uncovered, LayerPart& garment) {
     const SplatData& s = garment.splats;
     const size_t count = garment.mesh.triangles.size();
     const Neighbours neighbours = triangleNeighbours(garment.mesh);
@@ -137,9 +164,12 @@ uint32_t mendGarment(LayerPart& garment) {
     std::vector<double> sorted = coverage;
     std::nth_element(sorted.begin(), sorted.begin() + long(count / 2), sorted.end());
     const Marks inner = triangleFlags(garment.mesh.restPositions, garment.mesh.triangles, {}, {}, {});
-    Marks weak(count);  // not at hems, where cloth may end before its mesh
-    for (size_t t = 0; t < count; ++t) weak[t] = (inner[t] & kSplatSingleFace) && coverage[t] < kWeakShare * sorted[count / 2];
-    return fillSplats(weak, Marks(count, 0), weak, neighbours, garment);
+    Marks weak(count), fill(count);  // not at hems, where cloth may end before its mesh
+    for (size_t t = 0; t < count; ++t) {
+        weak[t] = (inner[t] & kSplatSingleFace) && coverage[t] < kWeakShare * sorted[count / 2];
+        fill[t] = weak[t] && uncovered[t];
+    }
+    return fillSplats(fill, Marks(count, 0), weak, coloursAround(garment, weak, neighbours), garment);
 }
 
 }  // namespace dpl

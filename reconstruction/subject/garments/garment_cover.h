@@ -24,9 +24,14 @@ public:
      *  way, or where the point lies beside the garment's border. */
     std::optional<Height> heightOf(const Vec3f& point, const Vec3f& normal) const;
 
+    /** Which edges and corners of a triangle lie on the garment's border. Edge k runs from corner k to the next one. */
+    struct Border {
+        std::array<bool, 3> edge{}, corner{};
+    };
+
 private:
     ClosestSurface surface_;
-    std::vector<std::array<bool, 3>> borders_;  // per triangle and edge
+    std::vector<Border> borders_;  // per triangle
 };
 
 }  // namespace dpl

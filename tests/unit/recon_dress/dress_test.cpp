@@ -17,6 +17,7 @@
 #include "sdk/core/files.h"
 #include "sdk/format/avatar_file.h"
 #include "sdk/math/sh.h"
+#include "tests/unit/recon_dress/cut_layer.h"
 
 namespace dpl {
 namespace {
@@ -173,39 +174,8 @@ TEST(Dress, theOldGarmentGoesWithItsSplats) {
 TEST(Dress, uncoveredSkinIsFilledFromTheSkinAround) {
     // A top without sleeves: all that lies more than 16 cm beside the middle is cut off.
     NamedAvatar vest = second();
-    std::vector<LayerPart> parts;
-    for (size_t i = 0; i < vest.avatar.mesh.layers.size(); ++i) parts.push_back(takeLayer(vest.avatar, i));
-    for (LayerPart& part : parts) {
-        if (part.name != "top") continue;
-        SplatData all = part.splats;
-        SurfaceMesh kept;
-        kept.positions = part.mesh.restPositions;
-        part.splats = SplatData{};
-        part.splats.triangleStart = {0};
-        for (size_t t = 0; t < part.mesh.triangles.size(); ++t) {
-            const Triangle& c = part.mesh.triangles[t];
-            if (std::abs(kept.positions[c.x].x) > 0.16f) continue;
-            kept.triangles.push_back(c);
-            for (uint32_t i = all.triangleStart[t]; i < all.triangleStart[t + 1]; ++i) {
-                part.splats.uv.push_back(all.uv[i]), part.splats.phi.push_back(all.phi[i]), part.splats.scaleM.push_back(all.scaleM[i]);
-                part.splats.opacity.push_back(all.opacity[i]), part.splats.flags.push_back(all.flags[i]);
-                part.splats.sh.insert(part.splats.sh.end(), {all.sh[i * 3], all.sh[i * 3 + 1], all.sh[i * 3 + 2]});
-            }
-            part.splats.triangleStart.push_back(part.splats.count());
-        }
-        std::vector<uint32_t> old;
-        const SurfaceMesh used = withoutUnused(kept, &old);
-        const LayerPart whole = part;
-        part.mesh.triangles = used.triangles, part.mesh.restPositions = used.positions;
-        part.mesh.colours.clear(), part.mesh.jointIndices.clear(), part.mesh.jointWeights.clear();
-        part.nodeIndices.clear(), part.nodeWeights.clear();
-        for (const uint32_t v : old) {
-            part.mesh.colours.push_back(whole.mesh.colours[v]);
-            part.mesh.jointIndices.push_back(whole.mesh.jointIndices[v]), part.mesh.jointWeights.push_back(whole.mesh.jointWeights[v]);
-            part.nodeIndices.push_back(whole.nodeIndices[v]), part.nodeWeights.push_back(whole.nodeWeights[v]);
-        }
-    }
-    joinLayers(parts, vest.avatar);
+    test::cutLayer(
+        "top", [](const Vec3f& p) { return std::abs(p.x) <= 0.16f; }, vest.avatar);
     const Dressed dressed = dress(first(), {{"top", &vest}});
     EXPECT_GT(dressed.filledSkinTriangles, 100u);
     EXPECT_FALSE(dressed.noSkin);

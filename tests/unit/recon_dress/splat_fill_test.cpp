@@ -39,11 +39,15 @@ size_t bareTriangle() {
     return 0;
 }
 
+Marks everywhere(const LayerPart& part) {
+    return Marks(part.mesh.triangles.size(), 1);
+}
+
 TEST(SplatFill, mendedTrianglesShowTheSidesThatTheyShowed) {
     const size_t bare = bareTriangle();
     LayerPart part = ball("garment", bare);
     const LayerPart before = part;
-    ASSERT_GT(mendGarment(part), 40u);
+    ASSERT_GT(mendGarment(everywhere(part), part), 40u);
     size_t both = 0, single = 0;
     for (size_t t = 0; t < part.mesh.triangles.size(); ++t)
         for (uint32_t i = part.splats.triangleStart[t]; i < part.splats.triangleStart[t + 1]; ++i) {
@@ -61,9 +65,34 @@ TEST(SplatFill, mendedHairShowsBothSides) {
     const size_t bare = bareTriangle();
     LayerPart part = ball("hair", bare);
     for (uint8_t& flag : part.splats.flags) flag = 0;
-    ASSERT_GT(mendGarment(part), 40u);
+    ASSERT_GT(mendGarment(everywhere(part), part), 40u);
     ASSERT_LT(part.splats.triangleStart[bare], part.splats.triangleStart[bare + 1]);
     for (uint32_t i = 0; i < part.splats.count(); ++i) ASSERT_EQ(part.splats.flags[i], 0) << "splat " << i;
+}
+
+TEST(SplatFill, whatIsNotUncoveredStaysFaint) {
+    LayerPart part = ball("garment", bareTriangle());
+    const LayerPart before = part;
+    EXPECT_EQ(mendGarment(Marks(part.mesh.triangles.size(), 0), part), 0u);
+    EXPECT_EQ(part.splats.opacity, before.splats.opacity);
+    EXPECT_EQ(part.mesh.colours, before.mesh.colours);
+}
+
+TEST(SplatFill, verticesOfKeptTrianglesKeepTheirColour) {
+    LayerPart part = ball("garment", bareTriangle());
+    const size_t count = part.mesh.triangles.size();
+    Marks fill(count, 0);
+    for (size_t t = 0; t < count; ++t) fill[t] = isFaint(part.mesh, t);
+    fillSplats(fill, Marks(count, 0), fill, std::vector<Vec3f>(count, Vec3f(1, 0, 0)), part);
+    std::vector<uint8_t> kept(part.mesh.restPositions.size(), 0);
+    for (size_t t = 0; t < count; ++t)
+        for (int k = 0; k < 3 && !fill[t]; ++k) kept[part.mesh.triangles[t][k]] = 1;
+    size_t coloured = 0;
+    for (size_t v = 0; v < kept.size(); ++v) {
+        EXPECT_EQ(part.mesh.colours[v], kept[v] ? glm::u8vec4(128) : glm::u8vec4(255, 0, 0, 255)) << v;
+        coloured += !kept[v];
+    }
+    EXPECT_GT(coloured, 20u);
 }
 
 }  // namespace

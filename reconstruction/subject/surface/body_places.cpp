@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "reconstruction/judging/coach/body_places.h"
+#include "reconstruction/subject/surface/body_places.h"
 
 #include <cmath>
 #include <string>
