@@ -47,7 +47,8 @@ std::set<std::string> picturesBeforeImport(const ReconstructOptions& options) {
 }  // namespace
 
 Status checkOutputIsFree(const ReconstructOptions& options) {
-    if (options.replace) return {};
+    std::error_code missing;
+    if (options.replace || (!options.scan.empty() && !std::filesystem::exists(options.scan, missing))) return {};
     const auto bytes = readFile(options.out / "run.json", kMaxBytes);
     if (!bytes) return {};  // no run yet, or one of an earlier version
     const json claim = json::parse(bytes->begin(), bytes->end(), nullptr, /*allow_exceptions=*/false);

@@ -8,7 +8,8 @@
 namespace dpl {
 
 /** Refuses an output folder that holds the run of another scan, unless options.replace. It is the same scan if it lies where it lay, or
- *  shares a picture with the one that was there. Before an import pictures are not known, so then it must lie where it lay. */
+ *  shares a picture with the one that was there. Before an import pictures are not known, so then it must lie where it lay. A scan that
+ *  does not exist passes: whoever reads it names it. */
 Status checkOutputIsFree(const ReconstructOptions& options);
 
 /** Writes run.json: where the scan lies, and hashes of its pictures. */

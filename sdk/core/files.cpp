@@ -146,18 +146,17 @@ Result<std::vector<uint8_t>> readFile(const std::filesystem::path& path, uint64_
     sys::FileInfo info{};
     if (sys::info(file.fd, info) != 0) return ioError("read", path);
     if ((info.st_mode & S_IFMT) != S_IFREG) return fail(Code::InvalidArgument, "{} is not a file", pathText(path));
-    if (uint64_t(info.st_size) > maxBytes)
-        return fail(Code::Unsupported, "{} has {} bytes, more than the {} that are read; is it the right file?", pathText(path),
-                    info.st_size, maxBytes);
     const uint64_t fileBytes = uint64_t(info.st_size);
-    std::vector<uint8_t> bytes(size_t(check ? std::min<uint64_t>(fileBytes, kFileHeadBytes) : fileBytes));
-    DPL_RETURN_IF_ERROR(readFully(file.fd, bytes, path));
-    if (!check) {
-        DPL_RETURN_IF_ERROR(checkEnd(file.fd, path));
-        return bytes;
+    std::vector<uint8_t> bytes;
+    if (check) {  // what the file is tells more than its size
+        bytes.resize(size_t(std::min<uint64_t>(fileBytes, kFileHeadBytes)));
+        DPL_RETURN_IF_ERROR(readFully(file.fd, bytes, path));
+        if (const Status accepted = check(bytes, fileBytes); !accepted)
+            return fail(accepted.error().code, "{}: {}", pathText(path), accepted.error().message);
     }
-    if (const Status accepted = check(bytes, fileBytes); !accepted)
-        return fail(accepted.error().code, "{}: {}", pathText(path), accepted.error().message);
+    if (fileBytes > maxBytes)
+        return fail(Code::Unsupported, "{} has {} bytes, more than the {} that are read; is it the right file?", pathText(path), fileBytes,
+                    maxBytes);
     const size_t headBytes = bytes.size();
     bytes.resize(size_t(fileBytes));
     DPL_RETURN_IF_ERROR(readFully(file.fd, std::span(bytes).subspan(headBytes), path));

@@ -47,7 +47,7 @@ for option in "--size 8x8" --stereo --turntable "--seconds 1" "--clip walk" "--t
     refuses "excludes" render a.glb -o views --scan scan $option
 done
 refuses "--time requires --clip" export a.glb -o a.ply --time 1
-refuses "--mesh excludes --clip" export a.glb -o m.glb --mesh --clip walk
+refuses "--clip excludes --mesh" export a.glb -o m.glb --mesh --clip walk
 for option in --turntable "--seconds 2"; do
     # shellcheck disable=SC2086
     refuses "a.png is one picture, and ${option%% *} makes many" render a.glb -o a.png $option
