@@ -114,7 +114,7 @@ using Steps = std::vector<std::string>;
 TEST_F(Graph, makesWhatIsNeededAndNothingElse) {
     EXPECT_EQ(ask<Doubled>({3, 0}), Steps{"double"});
     EXPECT_EQ(ask<Sum>({3, 0}), Steps{"sum"}) << "the files of an earlier run are up to date";
-    EXPECT_EQ(ask<Sum>({4, 0}), (Steps{"sum", "double"})) << "made when the sum looks at it";
+    EXPECT_EQ(ask<Sum>({4, 0}), (Steps{"double", "sum"})) << "files are made before whoever needs them";
 }
 
 TEST_F(Graph, onlyListedPartsDecide) {
