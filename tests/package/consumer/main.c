@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/* Loads an avatar, poses it by its clip, draws two views and checks the pixel in the middle. */
+/* Loads an avatar, poses it by its clip, draws two views, checks the pixel in the middle and writes AVATAR.glb.png. */
 #include <doppel/doppel.h>
 #include <doppel/doppel_convert.h>
 #include <doppel/doppel_png.h>
@@ -20,6 +20,7 @@ int main(int argc, char** argv) {
     DplAvatarInfo info = {0};
     DplCamera views[2] = {{.structSize = sizeof(DplCamera)}, {.structSize = sizeof(DplCamera)}};
     DplImage images[2] = {{0}};
+    char picture[4096];
     size_t middle = (32 * 64 + 32);
     int eye;
     if (argc != 2) return printf("usage: consumer_c AVATAR.glb\n"), 2;
@@ -40,7 +41,8 @@ int main(int argc, char** argv) {
     if (left[middle * 4] < 200 || left[middle * 4 + 1] > 20 || left[middle * 4 + 3] < 200) return printf("the middle is not red\n"), 1;
     if (right[middle * 4] < 200 || left[3] != 0) return printf("the right view or the corner is wrong\n"), 1;
     if (depth[middle] < 2.9f || depth[middle] > 3.1f) return printf("the depth is not 3 m\n"), 1;
-    if (dplWritePng("left.png", left, 64, 64) != DPL_OK) return perror("left.png"), 1;
+    if (snprintf(picture, sizeof picture, "%s.png", argv[1]) >= (int)sizeof picture) return printf("the path is too long\n"), 1;
+    if (dplWritePng(picture, left, 64, 64) != DPL_OK) return perror(picture), 1;
     if (dplDestroyContext(context) != DPL_OK || dplDestroyAvatar(avatar) != DPL_OK) return failed("destroy");
     return 0;
 }
