@@ -57,6 +57,13 @@ run_tests() {
     fi
 }
 
+# as_root COMMAND...: runs it as root.
+as_root() {
+    if [ "$(id -u)" -eq 0 ]; then "$@"; return; fi
+    command -v sudo >/dev/null || { echo "this needs root, and sudo is not installed: $*" >&2; return 1; }
+    sudo "$@"
+}
+
 # unpack_packages FOLDER PACKAGE...: downloads Debian packages and unpacks them into FOLDER. Installs nothing. Prints what it got.
 unpack_packages() {
     local folder="$1" work package
