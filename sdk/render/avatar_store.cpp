@@ -18,11 +18,10 @@ struct PreparedUpload final : PreparedSubject {
     /** Records, what posing writes, and the lists of the subject alone. */
     uint64_t bytes() const override {
         constexpr uint64_t kRounding = 4096;  // by the device, of fifteen buffers together
-        FrameIds ids;
-        static_cast<SubjectIds&>(ids) = subject.ids;
-        ids.allGroups = ids.groupCount;
-        return subject.records->bytes() + ids.vertexCount * uint64_t(sizeof(gpu::PosedVertex)) +
-               ids.triangleCount * uint64_t(sizeof(gpu::TriangleFrame)) + ids.listBytes() + kRounding;
+        FrameIds alone;
+        alone.allSplats = subject.ids.splatCount, alone.allGroups = subject.ids.groupCount, alone.wide = subject.wide;
+        return subject.records->bytes() + subject.ids.vertexCount * uint64_t(sizeof(gpu::PosedVertex)) +
+               subject.ids.triangleCount * uint64_t(sizeof(gpu::TriangleFrame)) + alone.listBytes() + kRounding;
     }
 };
 
@@ -59,19 +58,15 @@ SubjectIds countsOf(const AvatarData& avatar, const CodedSplats& splats) {
     ids.triangleCount = uint32_t(avatar.mesh.triangles.size());
     ids.jointCount = uint32_t(avatar.joints.size());
     ids.corrected = !avatar.correctives.empty();
-    ids.paletteSize = uint32_t(paletteSize(avatar));
     ids.splatCount = splats.count();
     ids.shDegree = splats.shDegree;
     ids.groupCount = 2 * uint32_t(splats.chunks.size());
-    for (const SplatChunk& c : splats.chunks) ids.filledGroups += (c.splatCount + gpu::kSplatGroup - 1) / gpu::kSplatGroup;
-    ids.mayTakeFourSamples = avatar.trainedPixelM > 0;
     return ids;
 }
 
 SubjectIds countsOf(const StaticSplatData& splats) {
     SubjectIds ids;
     ids.general = true;
-    ids.wide = reachFar(splats);
     ids.splatCount = splats.count();
     ids.shDegree = splats.shDegree;
     ids.groupCount = (ids.splatCount + gpu::kSplatGroup - 1) / gpu::kSplatGroup;
@@ -95,7 +90,8 @@ Result<std::unique_ptr<PreparedSubject>> AvatarStore::prepareAvatar(std::shared_
     subject.ids = countsOf(*avatar, splats);
     subject.ids.codes = records.where;
     if (cullComponents_) subject.components = std::move(records.components);
-    subject.ids.componentCount = subject.components.count();
+    for (const SplatChunk& c : splats.chunks) subject.filledGroups += (c.splatCount + gpu::kSplatGroup - 1) / gpu::kSplatGroup;
+    subject.paletteSize = uint32_t(paletteSize(*avatar));
     subject.splatBytes = splats.bytes();
     subject.residentBytes = splats.bytes() + posingBytes(*avatar) + records.triangles.size() * sizeof(gpu::TriangleRecord) +
                             records.vertices.size() * sizeof(gpu::VertexRecord) +
@@ -111,6 +107,7 @@ Result<std::unique_ptr<PreparedSubject>> AvatarStore::prepareSplats(const Static
     LoadedSubject& subject = prepared->subject;
     subject.splats = splatSetOf(splats);
     subject.ids = countsOf(splats);
+    subject.wide = reachFar(splats);
     DPL_RETURN_IF_ERROR(taskAt(0.1));
     // Files have the order of training: neighbours in memory are far apart in space. Sorted by space, a group is compact and its loads
     // are coherent.

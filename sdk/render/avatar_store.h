@@ -31,7 +31,10 @@ struct LoadedSubject {
     std::shared_ptr<const AvatarData> avatar;  // null: general splats
     std::shared_ptr<const SubjectRecords> records;
     SplatSet splats;
-    SubjectIds ids;  // counts and buffers; the scene set adds the places in its lists
+    SubjectIds ids;             // counts and buffers; the scene set adds the places in its lists
+    uint32_t paletteSize = 0;   // of an avatar: vec4s
+    uint32_t filledGroups = 0;  // of an avatar: groups with any splat
+    bool wide = false;          // general splats that reach so far that 16 bits of depth are too few
     std::shared_ptr<DeviceBuffers> buffers;
     std::shared_ptr<SubjectUpload> upload;  // null: uploaded
     uint64_t residentBytes = 0;             // device memory of the splats and of all that poses them
@@ -39,6 +42,9 @@ struct LoadedSubject {
     Components components;                  // empty when nothing is culled
     DetailSubject detail;                   // of an avatar
     GeneralDetailSubject generalDetail;     // of general splats
+
+    /** The pixel size of its training is known, and says which pixels are too coarse for one sample. */
+    bool mayTakeFourSamples() const { return avatar && avatar->trainedPixelM > 0; }
 };
 
 /** Owns the loaded subjects and their device buffers. The backend must live longer. One thread at a time, except to prepare. */

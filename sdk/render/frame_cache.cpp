@@ -30,27 +30,29 @@ uint64_t pixelsOf(const FrameShape& shape) {
 }
 
 /** Numbers the subjects and places them one after the other in the lists of a frame. Unsupported: too many splats together. */
-Status placeSubjects(SceneSet& set, const DeviceInfo& device) {
+Status placeSubjects(SceneSet& set, const AvatarStore& store, const DeviceInfo& device) {
     FrameIds& ids = set.ids;
     const uint64_t most =
         std::min<uint64_t>(device.maxBindingBytes / (sizeof(gpu::ProjectedSplat) * gpu::kMaxViews), 1u << gpu::kSortIndexBits);
     uint64_t splats = 0;
-    for (SubjectIds& subject : set.subjects) {
+    for (const RenderAvatarId member : set.members) {
+        const LoadedSubject& loaded = store.at(member);
+        SubjectIds& subject = set.subjects.emplace_back(loaded.ids);
         subject.drawn = uint32_t(ids.endGroups.size());
         subject.firstGroup = ids.allGroups;
         subject.firstSplat = uint32_t(splats);
         splats += subject.splatCount;
         if (splats > most)
             return fail(Code::Unsupported, "{} avatars together have more splats than {} draws at once ({}); draw fewer together",
-                        set.subjects.size(), device.name, most);
+                        set.members.size(), device.name, most);
         ids.allGroups += subject.groupCount;
         ids.endGroups.push_back(ids.allGroups);
-        ids.filledGroups += subject.filledGroups;
-        ids.componentCount += subject.componentCount;
-        ids.wide |= subject.wide;
-        ids.mayTakeFourSamples |= subject.mayTakeFourSamples;
+        ids.wide |= loaded.wide;
+        set.filledGroups += loaded.filledGroups;
+        set.componentCount += loaded.components.count();
+        set.mayTakeFourSamples |= loaded.mayTakeFourSamples();
     }
-    ids.splatCount = uint32_t(splats);
+    ids.allSplats = uint32_t(splats);
     return {};
 }
 
@@ -87,7 +89,6 @@ Result<SceneSet*> FrameCache::sceneSet(std::span<const RenderAvatarId> members) 
     }
     SceneSet set(backend_);
     set.members.assign(members.begin(), members.end());
-    for (const RenderAvatarId id : members) set.subjects.push_back(store_.at(id).ids);
     DPL_RETURN_IF_ERROR(makeLists(set));
     set.number = ++lastNumber_;
     return &sets_.emplace(set.number, std::move(set)).first->second;
@@ -113,14 +114,14 @@ Status FrameCache::makeLists(SceneSet& set) {
     FrameIds& ids = set.ids;
     ids.multiview = backend_.info().multiview;
     ids.floatKeys = options_.floatKeys;
-    DPL_RETURN_IF_ERROR(placeSubjects(set, backend_.info()));
+    DPL_RETURN_IF_ERROR(placeSubjects(set, store_, backend_.info()));
     DPL_TRY(ids.visibility, set.buffers.create("visibility", ids.visibilityWords() * 4));
     DPL_TRY(ids.survivors, set.buffers.create("survivors", ids.survivorWords() * 4));
     DPL_TRY(ids.counts, set.buffers.create("counts", sizeof(gpu::FrameCounts)));
-    DPL_TRY(ids.pairs, set.buffers.create("pairs", ids.splatCount * uint64_t(sizeof(gpu::SortPair))));
+    DPL_TRY(ids.pairs, set.buffers.create("pairs", ids.allSplats * uint64_t(sizeof(gpu::SortPair))));
     // With two rounds of sorting, pairs have shrunk to one word when they are first written here.
     DPL_TRY(ids.pairsSwap,
-            set.buffers.create("pairs swap", ids.splatCount * uint64_t(ids.sortRounds() == 2 ? sizeof(uint32_t) : sizeof(gpu::SortPair))));
+            set.buffers.create("pairs swap", ids.allSplats * uint64_t(ids.sortRounds() == 2 ? sizeof(uint32_t) : sizeof(gpu::SortPair))));
     DPL_TRY(ids.digits, makeTable(set.buffers, "digits", ids.digitWords(), scanSumWords(gpu::kSortDigits)));
     return {};
 }
@@ -169,16 +170,16 @@ Result<RecordedFrame*> FrameCache::frame(SceneSet& set, const FrameShape& shape,
 Status FrameCache::record(const SceneSet& set, RecordedFrame& frame) {
     FrameIds& ids = frame.ids;
     DPL_RETURN_IF_ERROR(preparePipelines(set, frame));
-    DPL_TRY(ids.projected, frame.buffers.create("projected", uint64_t(ids.splatCount) * ids.viewCount * sizeof(gpu::ProjectedSplat)));
+    DPL_TRY(ids.projected, frame.buffers.create("projected", uint64_t(ids.allSplats) * ids.viewCount * sizeof(gpu::ProjectedSplat)));
     if (frame.shape.meshDepth) {
         DPL_TRY(ids.meshDepth, frame.buffers.create("mesh depth", pixelsOf(frame.shape) * 4));
     }
     std::optional<TilePlan> tiles;
-    if (frame.shape.fill == Fill::Tiles && ids.splatCount > 0) {
+    if (frame.shape.fill == Fill::Tiles && ids.allSplats > 0) {
         tiles = planTiles(ids, backend_.info());
         if (!tiles)
             log(LogLevel::Info, "{} x {} px, {} splats: the lists of compute tiles do not fit the device, quads fill this size",
-                ids.widthPx, ids.heightPx, ids.splatCount);
+                ids.widthPx, ids.heightPx, ids.allSplats);
     }
     if (tiles) {
         DPL_RETURN_IF_ERROR(makeTileLists(frame, *tiles));
@@ -202,7 +203,7 @@ Status FrameCache::makeTileLists(RecordedFrame& frame, const TilePlan& tiles) {
 /** Creates the pipelines for the other number of samples too, so that a camera that moves away from an avatar causes no shader
  *  compilation. The target and lists for it are made when they are needed. */
 Status FrameCache::preparePipelines(const SceneSet& set, const RecordedFrame& frame) {
-    if (!set.ids.mayTakeFourSamples || !backend_.info().fourSamples) return {};
+    if (!set.mayTakeFourSamples || !backend_.info().fourSamples) return {};
     const uint32_t other = frame.shape.samples == 1 ? kCoverageSamples : 1;
     DPL_RETURN_IF_ERROR(backend_.drawPipeline(drawPipelineOf(frame.ids, other)));
     if (frame.shape.fill == Fill::Tiles) {
@@ -212,15 +213,16 @@ Status FrameCache::preparePipelines(const SceneSet& set, const RecordedFrame& fr
 }
 
 Status FrameCache::recordSlot(const SceneSet& set, RecordedFrame& frame, FrameSlot& slot, const TilePlan* tiles) {
-    std::vector<FrameIds> subjects;
-    for (const SubjectIds& ids : set.subjects) {
+    std::vector<SubjectIds> subjects = set.subjects;
+    for (size_t k = 0; k < subjects.size(); ++k) {
+        SubjectIds& subject = subjects[k];
         FrameSlot::Upload& upload = slot.uploads.emplace_back();
         DPL_TRY(upload.frame, frame.buffers.create("frame", sizeof(gpu::FrameData), BufferMemory::Upload));
-        if (!ids.general) {
-            DPL_TRY(upload.palette, frame.buffers.create("palette", ids.paletteSize * sizeof(gpu::vec4), BufferMemory::Upload));
+        if (!subject.general) {
+            const uint32_t paletteSize = store_.at(set.members[k]).paletteSize;
+            DPL_TRY(upload.palette, frame.buffers.create("palette", paletteSize * sizeof(gpu::vec4), BufferMemory::Upload));
         }
-        FrameIds& subject = subjects.emplace_back(frame.ids.of(ids));
-        subject.frame = upload.frame, subject.palette = upload.palette;
+        subject.uniforms = upload.frame, subject.palette = upload.palette;
     }
     if (frame.shape.sceneDepth) {
         DPL_TRY(slot.scene, frame.buffers.create("scene depth", pixelsOf(frame.shape) * 4, BufferMemory::Upload));

@@ -85,8 +85,10 @@ struct SceneSet {
 
     uint32_t number = 0;  // from 1
     std::vector<RenderAvatarId> members;
-    std::vector<SubjectIds> subjects;  // of the members, with their places in the lists
-    FrameIds ids;                      // totals, and what does not depend on the shape
+    std::vector<SubjectIds> subjects;               // of the members, with their places in the lists
+    FrameIds ids;                                   // what does not depend on the shape
+    uint32_t filledGroups = 0, componentCount = 0;  // of all members: groups with any splat; components that culling knows
+    bool mayTakeFourSamples = false;                // any member may
     DeviceBuffers buffers;
     std::vector<RecordedFrame> frames;
     uint64_t lastUse = 0;  // number of its last frame

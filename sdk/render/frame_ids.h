@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The buffers and sizes that the passes of one frame share. A pass reads these ids and knows no other pass.
+// The buffers and sizes that passes take. Passes over all subjects take the frame, passes of one subject take the frame and the subject. A
+// pass knows no other pass.
 #pragma once
 
 #include "sdk/backend/backend.h"
@@ -13,20 +14,16 @@ struct SubjectIds {
     // Set when it is loaded.
     uint32_t vertexCount = 0, triangleCount = 0, splatCount = 0, shDegree = 0;
     uint32_t jointCount = 0;
-    uint32_t paletteSize = 0;                   // vec4s
-    uint32_t groupCount = 0, filledGroups = 0;  // groups of splats; those with any splat
-    uint32_t componentCount = 0;                // components that are not posed when no view sees them
-    gpu::CodesPush codes{};                     // where its streams begin; codesPush() adds its place in the frame
-    bool corrected = false;                     // has pose correctives: other vertex records, control nodes after the joints in the palette
-    bool general = false;                       // general splats: no vertices, no triangles; `splats` holds GeneralSplatRecord
-    bool wide = false;                          // general splats that reach so far that 16 bits of depth are too few
-    bool mayTakeFourSamples = false;            // the pixel size of its training is known
+    uint32_t groupCount = 0;  // of splats
+    gpu::CodesPush codes{};   // where its streams begin; codesPush() adds its place in the frame
+    bool corrected = false;   // has pose correctives: other vertex records, control nodes after the joints in the palette
+    bool general = false;     // general splats: no vertices, no triangles; `splats` holds GeneralSplatRecord
     BufferId vertices, triangles, splats, sh;
     BufferId posed, triangleFrames;  // written by the GPU in each frame
     // Set by its scene set: its number there, and the number of groups and splats before its own in the lists of the frame.
     uint32_t drawn = 0, firstGroup = 0, firstSplat = 0;
     // Of the slot; the CPU writes them before each frame.
-    BufferId frame, palette;
+    BufferId uniforms, palette;
 };
 
 /** Cells that are counted, and prefix sums over them (passes/scan.h). */
@@ -34,16 +31,16 @@ struct TableIds {
     BufferId cells, sums, places;
 };
 
-/** A frame. The inherited members describe the subject whose passes are added. For passes over all subjects, the counts are totals over
- *  the scene set, and `wide` says whether any subject is. */
-struct FrameIds : SubjectIds {
+/** A frame of all subjects of a scene set. */
+struct FrameIds {
+    uint32_t allSplats = 0, allGroups = 0;  // of all subjects together
+    std::vector<uint32_t> endGroups;        // for each subject, the end of its groups
     uint32_t viewCount = 1;
     uint32_t widthPx = 0, heightPx = 0;  // of one view
-    uint32_t allGroups = 0;              // groups of all subjects
-    std::vector<uint32_t> endGroups;     // for each subject, the end of its groups
     bool multiview = true, depth = false;
     ColourFormat colour = ColourFormat::Codes8;
     uint32_t drawInstances = 1;  // of the draw of all views (DeviceInfo::viewsAreInstances)
+    bool wide = false;           // a subject reaches so far that 16 bits of depth are too few
     bool floatKeys = false;      // depths are sorted as 32-bit floats
     bool shuffle = false;        // subgroups hold whole tiles (DeviceInfo::shuffle)
     bool sceneDepth = false;     // splats behind the app's scene are hidden
@@ -60,23 +57,18 @@ struct FrameIds : SubjectIds {
     TableIds digits;            // of the sort: [digit][run]
     TargetId target;
 
-    /** The same frame, for the passes of one subject. */
-    FrameIds of(const SubjectIds& subject) const {
-        FrameIds ids = *this;
-        static_cast<SubjectIds&>(ids) = subject;
-        return ids;
-    }
     uint32_t sortRounds() const { return floatKeys ? gpu::kFloatSortRounds : wide ? gpu::kWideSortRounds : gpu::kSortRounds; }
     uint32_t maxDepthKey() const { return floatKeys ? gpu::kFloatDepthKeys : (1u << (sortRounds() * gpu::kSortDigitBits)) - 1; }
     // Layout of shaders/lib/visibility.glsl.
-    uint64_t visibilityWords() const { return 3ull * allGroups + splatCount; }
+    uint64_t visibilityWords() const { return 3ull * allGroups + allSplats; }
     uint32_t firstSum() const { return gpu::kMaskWords * allGroups; }
     uint64_t survivorWords() const { return firstSum() + allGroups + 1ull; }
     /** The buffer of the pairs before the sort, chosen so that the last round writes into `pairs`. */
     BufferId unsorted() const { return sortRounds() % 2 ? pairsSwap : pairs; }
-    gpu::CodesPush codesPush() const {
-        gpu::CodesPush push = codes;
-        push.groupCount = groupCount, push.allGroups = allGroups, push.firstGroup = firstGroup, push.firstSplat = firstSplat;
+    gpu::CodesPush codesPush(const SubjectIds& subject) const {
+        gpu::CodesPush push = subject.codes;
+        push.groupCount = subject.groupCount, push.allGroups = allGroups;
+        push.firstGroup = subject.firstGroup, push.firstSplat = subject.firstSplat;
         return push;
     }
     /** The kernel built for this many views. */
@@ -84,14 +76,12 @@ struct FrameIds : SubjectIds {
         if (viewCount > 1) shader += ".stereo";
         return shader;
     }
-    /** The kernel built for this many views and this SH degree. */
-    std::string ofColour(const char* shader) const { return ofViews(formatText("{}.sh{}", shader, shDegree)); }
     /** Bytes of the lists of a scene set. */
     uint64_t listBytes() const {
         const uint64_t pairBytes = sizeof(gpu::SortPair), swapBytes = sortRounds() == 2 ? sizeof(uint32_t) : pairBytes;
-        return (visibilityWords() + survivorWords() + 2 * digitWords()) * sizeof(uint32_t) + splatCount * (pairBytes + swapBytes);
+        return (visibilityWords() + survivorWords() + 2 * digitWords()) * sizeof(uint32_t) + allSplats * (pairBytes + swapBytes);
     }
-    uint64_t digitWords() const { return uint64_t(gpu::kSortDigits) * ((splatCount + gpu::kRun - 1) / gpu::kRun); }
+    uint64_t digitWords() const { return uint64_t(gpu::kSortDigits) * ((allSplats + gpu::kRun - 1) / gpu::kRun); }
 };
 
 }  // namespace dpl

@@ -157,8 +157,8 @@ void FrameReader::addCounts(const SceneSet& set, const Finished& drawn, uint64_t
     const gpu::FrameCounts counts = current ? countsOf(*drawn.slot) : drawn.slot->countsBefore;
     const auto raise = [](uint32_t& value, uint32_t other) { value = std::max(value, other); };
     stats.views += drawn.frame->shape.views;
-    stats.chunks = set.ids.filledGroups;
-    stats.components = set.ids.componentCount;
+    stats.chunks = set.filledGroups;
+    stats.components = set.componentCount;
     raise(stats.componentsInView, drawn.facts.componentsInView);
     raise(stats.trianglesInView, counts.trianglesInView);
     raise(stats.trianglesFacing, counts.trianglesFacing);
@@ -176,7 +176,7 @@ void FrameReader::addCounts(const SceneSet& set, const Finished& drawn, uint64_t
     }
     if (counts.splatsFacing == 0) return;
     // Splats that level of detail leaves out are not read.
-    const double kept = set.ids.splatCount > 0 ? double(splatsAllowed) / set.ids.splatCount : 1;
+    const double kept = set.ids.allSplats > 0 ? double(splatsAllowed) / set.ids.allSplats : 1;
     stats.bytesDecided += uint64_t(double(counts.chunksProjected) * gpu::kSplatGroup * 5 * kept);
     stats.bytesDecoded += uint64_t(counts.splatsFacing) * 4 + uint64_t(counts.visible) * (4 + shBytes);
 }

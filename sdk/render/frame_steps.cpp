@@ -12,21 +12,21 @@
 
 namespace dpl {
 
-void planFrame(FramePlan& plan, const FrameIds& frame, std::span<const FrameIds> subjects, const TilePlan* tiles, BufferId finalCounts) {
+void planFrame(FramePlan& plan, const FrameIds& frame, std::span<const SubjectIds> subjects, const TilePlan* tiles, BufferId finalCounts) {
     plan.fill("begin", frame.counts, 0);
-    for (const FrameIds& subject : subjects) {
-        if (!subject.general && subject.vertexCount > 0 && (subject.splatCount > 0 || frame.meshDepth)) addSkin(plan, subject);
-        if (frame.meshDepth) addMeshDepth(plan, subject);
+    for (const SubjectIds& subject : subjects) {
+        if (!subject.general && subject.vertexCount > 0 && (subject.splatCount > 0 || frame.meshDepth)) addSkin(plan, frame, subject);
+        if (frame.meshDepth) addMeshDepth(plan, frame, subject);
     }
-    for (const FrameIds& subject : subjects) {
+    for (const SubjectIds& subject : subjects) {
         if (subject.splatCount == 0) continue;
         if (!subject.general) {
-            addTriangles(plan, subject);
-            addChunks(plan, subject);
+            addTriangles(plan, frame, subject);
+            addChunks(plan, frame, subject);
         }
-        addProject(plan, subject);
+        addProject(plan, frame, subject);
     }
-    if (frame.splatCount > 0) {
+    if (frame.allSplats > 0) {
         addCompact(plan, frame);
         addSort(plan, frame);
         if (tiles) addTiles(plan, frame, *tiles);

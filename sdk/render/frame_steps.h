@@ -11,7 +11,7 @@
 namespace dpl {
 
 /** Appends all steps of a frame that draws `subjects` into frame.target, and the copy of its counts into `finalCounts`. Creates nothing
- *  and submits nothing: the caller owns buffers, target and plan. frame: totals over the subjects. tiles: null when only quads fill. */
-void planFrame(FramePlan& plan, const FrameIds& frame, std::span<const FrameIds> subjects, const TilePlan* tiles, BufferId finalCounts);
+ *  and submits nothing: the caller owns buffers, target and plan. tiles: null when only quads fill. */
+void planFrame(FramePlan& plan, const FrameIds& frame, std::span<const SubjectIds> subjects, const TilePlan* tiles, BufferId finalCounts);
 
 }  // namespace dpl

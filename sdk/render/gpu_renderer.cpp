@@ -192,10 +192,10 @@ void GpuRenderer::fillSlot(FrameSlot& slot, const SceneSet& set, const DrawCall&
         if (unseen != 0 && unseen == subject.components.all()) unseen = ~0u;  // vertices of no component count as unseen too
         if (subject.avatar)
             packPalette(pose.worldFromRest, pose.nodes,
-                        {reinterpret_cast<gpu::vec4*>(backend_->mapped(upload.palette).data()), subject.ids.paletteSize});
+                        {reinterpret_cast<gpu::vec4*>(backend_->mapped(upload.palette).data()), subject.paletteSize});
         gpu::FrameData block = packFrame(subject.splats, call.views.of(shape.eye), shape.samples, pose.detail, pose.largestGrowth, unseen);
         block.cullNothing = options_.cull ? 0 : 1;
-        block.splatCount = set.ids.splatCount;
+        block.splatCount = set.ids.allSplats;
         if (!subject.avatar) packGeneralDetail(pose.generalDetail, block);
         std::memcpy(backend_->mapped(upload.frame).data(), &block, sizeof(block));
     }

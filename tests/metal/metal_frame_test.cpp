@@ -145,7 +145,7 @@ TEST(MetalFrame, aDepthOfTheSceneHidesWhatLiesBehind) {
 /** Runs compaction and sort of these visibility words on a backend, and returns counts and the sorted splats as bytes. */
 std::vector<std::byte> compactedAndSorted(Backend& backend, std::span<const uint32_t> visibility, uint32_t splats) {
     FrameIds ids;
-    ids.splatCount = splats, ids.allGroups = splats / gpu::kSplatGroup, ids.endGroups = {ids.allGroups};
+    ids.allSplats = splats, ids.allGroups = splats / gpu::kSplatGroup, ids.endGroups = {ids.allGroups};
     const auto make = [&](const char* label, uint64_t bytes, BufferMemory memory = BufferMemory::Device) {
         auto buffer = backend.createBuffer({label, std::max<uint64_t>(bytes, 16), memory});
         EXPECT_TRUE(buffer);
@@ -194,7 +194,7 @@ TEST(MetalFrame, passesOverIntegersEqualAnotherBackendBitForBit) {
     std::mt19937 random(5);
     std::uniform_real_distribution<float> depthM(1, 2);
     FrameIds layout;
-    layout.splatCount = kSplats, layout.allGroups = kSplats / gpu::kSplatGroup;
+    layout.allSplats = kSplats, layout.allGroups = kSplats / gpu::kSplatGroup;
     std::vector<uint32_t> visibility(layout.visibilityWords(), 0);
     // The layout of shaders/lib/visibility.glsl: flags and list of live groups, the range of splats of each, a depth for each splat.
     for (uint32_t i = 0; i < layout.allGroups; ++i) {
@@ -220,7 +220,7 @@ TEST(MetalFrame, passesOverIntegersEqualAnotherBackendBitForBit) {
 /** The lists of tiles that a backend makes of these splats, which are in depth order: counts, places, spans and entries as bytes. */
 std::vector<std::byte> tileLists(Backend& backend, std::span<const gpu::ProjectedSplat> projected) {
     FrameIds ids;
-    ids.splatCount = uint32_t(projected.size()), ids.widthPx = kWidthPx, ids.heightPx = kHeightPx, ids.depth = true;
+    ids.allSplats = uint32_t(projected.size()), ids.widthPx = kWidthPx, ids.heightPx = kHeightPx, ids.depth = true;
     const auto tiles = planTiles(ids, {.maxBindingBytes = 128u << 20, .maxGroups = 65535});
     EXPECT_TRUE(tiles);
     const auto make = [&](const char* label, uint64_t bytes, BufferMemory memory = BufferMemory::Device) {
@@ -229,14 +229,14 @@ std::vector<std::byte> tileLists(Backend& backend, std::span<const gpu::Projecte
         return *buffer;
     };
     ids.counts = make("counts", sizeof(gpu::FrameCounts)), ids.projected = make("projected", projected.size_bytes());
-    ids.pairs = make("order", ids.splatCount * 4ull);
+    ids.pairs = make("order", ids.allSplats * 4ull);
     ids.tiles = {make("cells", tiles->tableWords * 4), make("sums", tiles->sumWords * 4), make("places", tiles->tableWords * 4)};
     ids.tileSpans = make("spans", tiles->spanBytes), ids.tileEntries = make("entries", tiles->entryBytes);
     ids.tilePixels = make("pixels", tiles->pixelBytes);
     gpu::FrameCounts counts{};
-    counts.visible = ids.splatCount, counts.runs = (ids.splatCount + gpu::kRun - 1) / gpu::kRun;
+    counts.visible = ids.allSplats, counts.runs = (ids.allSplats + gpu::kRun - 1) / gpu::kRun;
     counts.runGroupsX = counts.runs, counts.runGroupsY = counts.runGroupsZ = 1;
-    std::vector<uint32_t> order(ids.splatCount);
+    std::vector<uint32_t> order(ids.allSplats);
     std::iota(order.begin(), order.end(), 0u);
     EXPECT_TRUE(backend.write(ids.counts, 0, std::as_bytes(std::span(&counts, 1))));
     EXPECT_TRUE(backend.write(ids.projected, 0, std::as_bytes(projected)));
@@ -255,7 +255,7 @@ std::vector<std::byte> tileLists(Backend& backend, std::span<const gpu::Projecte
     EXPECT_TRUE(ran) << (ran ? "" : ran.error().message);
     std::memcpy(&counts, backend.mapped(final).data(), sizeof counts);
     EXPECT_EQ(counts.tilesOverflowed, 0u);
-    EXPECT_GT(counts.tileSpans, ids.splatCount);
+    EXPECT_GT(counts.tileSpans, ids.allSplats);
     EXPECT_GT(counts.tileEntries, counts.tileSpans);
     std::vector<std::byte> bytes;
     const std::pair<BufferId, uint64_t> used[] = {{final, sizeof counts},

@@ -49,7 +49,7 @@ void compactAndSort(MslFrame& out, std::vector<uint32_t>& visibility, uint32_t g
 /** The visibility buffer of a frame, filled with garbage because no kernel may read it before writing. */
 std::vector<uint32_t> visibilityOf(uint32_t groups, uint32_t splats) {
     FrameIds ids;
-    ids.allGroups = groups, ids.splatCount = splats;
+    ids.allGroups = groups, ids.allSplats = splats;
     return std::vector<uint32_t>(ids.visibilityWords(), 0xCDCDCDCD);
 }
 
@@ -141,7 +141,7 @@ std::vector<uint32_t> fillTiles(MslFrame& f, std::span<const Cameraf> views, int
                                 uint32_t samples) {
     FrameIds ids;
     ids.viewCount = uint32_t(views.size()), ids.widthPx = views[0].widthPx, ids.heightPx = views[0].heightPx, ids.depth = true;
-    ids.splatCount = uint32_t(f.projected.size()) / ids.viewCount;
+    ids.allSplats = uint32_t(f.projected.size()) / ids.viewCount;
     ids.sceneDepth = !farthestSeenM.empty(), ids.samples = samples;
     const auto tiles = planTiles(ids, {.maxBindingBytes = 128u << 20, .maxGroups = 65535});
     EXPECT_TRUE(tiles);

@@ -3,15 +3,15 @@
 
 namespace dpl {
 
-void addChunks(FramePlan& plan, const FrameIds& ids) {
+void addChunks(FramePlan& plan, const FrameIds& frame, const SubjectIds& subject) {
     plan.compute("chunks.mark", "chunks.mark")
-        .reads(ids.splats, ids.triangleFrames)
-        .writes(ids.visibility)
-        .push(ids.codesPush())
-        .threads(ids.groupCount);
+        .reads(subject.splats, subject.triangleFrames)
+        .writes(frame.visibility)
+        .push(frame.codesPush(subject))
+        .threads(subject.groupCount);
     plan.compute("chunks.list", "chunks.list")
-        .updates(ids.visibility, ids.counts)
-        .push(gpu::ChunkPush{ids.groupCount, ids.allGroups, ids.firstGroup})
+        .updates(frame.visibility, frame.counts)
+        .push(gpu::ChunkPush{subject.groupCount, frame.allGroups, subject.firstGroup})
         .groups(1);
 }
 

@@ -7,6 +7,6 @@
 namespace dpl {
 
 /** Finds the groups of splats that projection and colour have to read. */
-void addChunks(FramePlan& plan, const FrameIds& ids);
+void addChunks(FramePlan& plan, const FrameIds& frame, const SubjectIds& subject);
 
 }  // namespace dpl

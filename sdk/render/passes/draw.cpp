@@ -20,7 +20,7 @@ void addDraw(FramePlan& plan, const FrameIds& ids) {
         auto draw = plan.draw("draw.splats", drawPipelineOf(ids, ids.samples), ids.target, view);
         draw.reads(ids.counts, ids.pairs, ids.projected);
         if (ids.sceneDepth) draw.reads(ids.scene);
-        draw.push(gpu::DrawPush{float(ids.widthPx), float(ids.heightPx), ids.splatCount, view})
+        draw.push(gpu::DrawPush{float(ids.widthPx), float(ids.heightPx), ids.allSplats, view})
             .argsFrom(ids.counts, offsetof(gpu::FrameCounts, drawVertices));
     }
 }

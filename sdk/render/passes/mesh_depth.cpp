@@ -6,15 +6,15 @@
 
 namespace dpl {
 
-void addMeshDepth(FramePlan& plan, const FrameIds& ids) {
-    if (ids.drawn == 0) plan.fill("mesh.clear", ids.meshDepth, std::bit_cast<uint32_t>(std::numeric_limits<float>::infinity()));
-    if (ids.triangleCount == 0) return;
+void addMeshDepth(FramePlan& plan, const FrameIds& frame, const SubjectIds& subject) {
+    if (subject.drawn == 0) plan.fill("mesh.clear", frame.meshDepth, std::bit_cast<uint32_t>(std::numeric_limits<float>::infinity()));
+    if (subject.triangleCount == 0) return;
     plan.compute("mesh.depth", "mesh.depth")
-        .uniform(ids.frame)
-        .reads(ids.triangles, ids.posed)
-        .updates(ids.meshDepth)
-        .push(gpu::MeshDepthPush{ids.triangleCount, ids.viewCount, ids.widthPx, ids.heightPx})
-        .threads(ids.triangleCount);
+        .uniform(subject.uniforms)
+        .reads(subject.triangles, subject.posed)
+        .updates(frame.meshDepth)
+        .push(gpu::MeshDepthPush{subject.triangleCount, frame.viewCount, frame.widthPx, frame.heightPx})
+        .threads(subject.triangleCount);
 }
 
 }  // namespace dpl

@@ -3,14 +3,14 @@
 
 namespace dpl {
 
-void addSkin(FramePlan& plan, const FrameIds& ids) {
-    plan.compute("pose.skin", ids.corrected ? "skin.corrected" : "skin")
-        .uniform(ids.frame)
-        .reads(ids.palette, ids.vertices)
-        .writes(ids.posed)
-        .updates(ids.counts)
-        .push(gpu::VertexPush{ids.vertexCount, 3 * ids.jointCount, ids.drawn})
-        .threads(ids.vertexCount);
+void addSkin(FramePlan& plan, const FrameIds& frame, const SubjectIds& subject) {
+    plan.compute("pose.skin", subject.corrected ? "skin.corrected" : "skin")
+        .uniform(subject.uniforms)
+        .reads(subject.palette, subject.vertices)
+        .writes(subject.posed)
+        .updates(frame.counts)
+        .push(gpu::VertexPush{subject.vertexCount, 3 * subject.jointCount, subject.drawn})
+        .threads(subject.vertexCount);
 }
 
 }  // namespace dpl

@@ -8,6 +8,6 @@ namespace dpl {
 
 /** Poses the rest vertices by the palette and writes them with their brightness. Widens the extent along the sort axis in `counts`, which
  *  must be 0 before. */
-void addSkin(FramePlan& plan, const FrameIds& ids);
+void addSkin(FramePlan& plan, const FrameIds& frame, const SubjectIds& subject);
 
 }  // namespace dpl

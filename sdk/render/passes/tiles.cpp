@@ -24,11 +24,11 @@ std::optional<TilePlan> planTiles(const FrameIds& ids, const DeviceInfo& device)
     p.reachPx = ids.samples == 1 ? 0 : kCoverageReachPx;
     const uint32_t side = 1u << p.tileShift;
     p.viewCount = ids.viewCount, p.columns = (ids.widthPx + side - 1) / side, p.rows = (ids.heightPx + side - 1) / side;
-    p.widthPx = ids.widthPx, p.heightPx = ids.heightPx, p.splatCount = ids.splatCount;
-    const uint64_t rows = plan.rows(), tiles = rows * p.columns, records = uint64_t(ids.splatCount) * ids.viewCount,
+    p.widthPx = ids.widthPx, p.heightPx = ids.heightPx, p.splatCount = ids.allSplats;
+    const uint64_t rows = plan.rows(), tiles = rows * p.columns, records = uint64_t(ids.allSplats) * ids.viewCount,
                    pixels = uint64_t(p.widthPx) * p.heightPx * p.viewCount;
     const uint64_t blocks = (tiles * side * side + 63) / 64;
-    const uint64_t runs = (ids.splatCount + gpu::kRun - 1) / gpu::kRun;
+    const uint64_t runs = (ids.allSplats + gpu::kRun - 1) / gpu::kRun;
     p.firstSpanSum = 0;
     p.firstEntrySum = uint32_t(scanSumWords(rows));
     plan.sumWords = 2 * scanSumWords(rows);

@@ -3,14 +3,14 @@
 
 namespace dpl {
 
-void addTriangles(FramePlan& plan, const FrameIds& ids) {
-    plan.compute("pose.triangles", ids.ofViews("triangles"))
-        .uniform(ids.frame)
-        .reads(ids.triangles, ids.posed)
-        .writes(ids.triangleFrames)
-        .updates(ids.counts)
-        .push(gpu::TrianglePush{ids.triangleCount})
-        .threads(ids.triangleCount);
+void addTriangles(FramePlan& plan, const FrameIds& frame, const SubjectIds& subject) {
+    plan.compute("pose.triangles", frame.ofViews("triangles"))
+        .uniform(subject.uniforms)
+        .reads(subject.triangles, subject.posed)
+        .writes(subject.triangleFrames)
+        .updates(frame.counts)
+        .push(gpu::TrianglePush{subject.triangleCount})
+        .threads(subject.triangleCount);
 }
 
 }  // namespace dpl

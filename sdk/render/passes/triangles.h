@@ -7,6 +7,6 @@
 namespace dpl {
 
 /** Turns posed vertices into one frame for each triangle. */
-void addTriangles(FramePlan& plan, const FrameIds& ids);
+void addTriangles(FramePlan& plan, const FrameIds& frame, const SubjectIds& subject);
 
 }  // namespace dpl

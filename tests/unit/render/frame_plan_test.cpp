@@ -208,7 +208,7 @@ TEST(FramePlan, aSizeWhoseTilesDoNotFitTheDeviceIsFilledByQuads) {
 TEST(FramePlan, aSideOfTooManyTilesHasNoLists) {
     const DeviceInfo device{.maxBindingBytes = 1u << 30, .maxGroups = 65535};
     FrameIds ids;
-    ids.splatCount = 100;
+    ids.allSplats = 100;
     for (const auto& [samples, mostPx] :
          {std::pair(1u, gpu::kMostTiles << gpu::kTilePxShift), std::pair(4u, gpu::kMostTiles << gpu::kFourTilePxShift)}) {
         ids.samples = samples;

@@ -20,7 +20,9 @@ std::vector<Vec4f> skinOnDevice(Backend& backend, const AvatarData& avatar, cons
     const gpu::FrameData frameBlock = packFrame(splatSetOf(avatar, coded), {&camera, 1});
 
     FrameIds ids;
-    ids.vertexCount = uint32_t(avatar.mesh.restPositions.size()), ids.jointCount = uint32_t(avatar.joints.size()), ids.corrected = true;
+    SubjectIds subject;
+    subject.vertexCount = uint32_t(avatar.mesh.restPositions.size()), subject.jointCount = uint32_t(avatar.joints.size()),
+    subject.corrected = true;
     std::vector<BufferId> owned;
     const auto make = [&](const char* label, uint64_t bytes, BufferMemory memory = BufferMemory::Device) {
         auto buffer = backend.createBuffer({label, bytes, memory});
@@ -33,19 +35,19 @@ std::vector<Vec4f> skinOnDevice(Backend& backend, const AvatarData& avatar, cons
         return id;
     };
     const gpu::FrameCounts counts{};
-    ids.frame = make("frame", sizeof(frameBlock), BufferMemory::Upload);
-    std::memcpy(backend.mapped(ids.frame).data(), &frameBlock, sizeof(frameBlock));
-    ids.palette = upload("palette", std::as_bytes(std::span(palette)));
-    ids.vertices = upload("vertices", std::as_bytes(std::span(records.correctedVertices)));
+    subject.uniforms = make("frame", sizeof(frameBlock), BufferMemory::Upload);
+    std::memcpy(backend.mapped(subject.uniforms).data(), &frameBlock, sizeof(frameBlock));
+    subject.palette = upload("palette", std::as_bytes(std::span(palette)));
+    subject.vertices = upload("vertices", std::as_bytes(std::span(records.correctedVertices)));
     ids.counts = upload("counts", std::as_bytes(std::span(&counts, 1)));
-    ids.posed = make("posed", ids.vertexCount * 16ull);
-    const BufferId result = make("result", ids.vertexCount * 16ull, BufferMemory::Readback);
+    subject.posed = make("posed", subject.vertexCount * 16ull);
+    const BufferId result = make("result", subject.vertexCount * 16ull, BufferMemory::Readback);
     FramePlan plan(backend);
-    addSkin(plan, ids);
-    plan.copy("result", ids.posed, result);
+    addSkin(plan, ids, subject);
+    plan.copy("result", subject.posed, result);
     auto frame = plan.finish();
     EXPECT_TRUE(frame) << (frame ? "" : frame.error().message);
-    std::vector<Vec4f> out(ids.vertexCount);
+    std::vector<Vec4f> out(subject.vertexCount);
     if (frame) {
         EXPECT_TRUE(backend.run(*frame));
         std::memcpy(out.data(), backend.mapped(result).data(), out.size() * sizeof(Vec4f));

@@ -22,18 +22,18 @@ std::vector<uint32_t> sortOnDevice(Backend& backend, const Pairs& input, uint32_
     FrameIds ids;
     ids.wide = rounds == gpu::kWideSortRounds, ids.floatKeys = rounds == gpu::kFloatSortRounds;
     EXPECT_EQ(ids.sortRounds(), rounds);
-    ids.splatCount = uint32_t(std::max<size_t>(input.size(), 1));
+    ids.allSplats = uint32_t(std::max<size_t>(input.size(), 1));
     const auto make = [&](const char* label, uint64_t bytes, BufferMemory memory = BufferMemory::Device) {
         auto buffer = backend.createBuffer({label, std::max<uint64_t>(bytes, 16), memory});
         EXPECT_TRUE(buffer);
         return *buffer;
     };
     ids.counts = make("counts", sizeof(gpu::FrameCounts));
-    ids.pairs = make("pairs", ids.splatCount * uint64_t(sizeof(gpu::SortPair)));
-    ids.pairsSwap = make("swap", ids.splatCount * uint64_t(sizeof(gpu::SortPair)));
+    ids.pairs = make("pairs", ids.allSplats * uint64_t(sizeof(gpu::SortPair)));
+    ids.pairsSwap = make("swap", ids.allSplats * uint64_t(sizeof(gpu::SortPair)));
     ids.digits = {make("cells", ids.digitWords() * 4), make("sums", scanSumWords(gpu::kSortDigits) * 4),
                   make("places", ids.digitWords() * 4)};
-    const BufferId result = make("result", ids.splatCount * 4ull, BufferMemory::Readback);
+    const BufferId result = make("result", ids.allSplats * 4ull, BufferMemory::Readback);
     gpu::FrameCounts counts{};
     counts.visible = uint32_t(input.size());
     counts.runs = (counts.visible + gpu::kRun - 1) / gpu::kRun;
