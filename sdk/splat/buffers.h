@@ -92,16 +92,22 @@ struct SplatEngine::Buffers {
     Scratch<float> stopTransmittance;
 };
 
+/** How a set of splats is seen: what SplatEngine::project() is given besides the splats. */
+struct SplatCamera {
+    const Cameraf& camera;
+    float kappaPx2;  // of a pixel
+    bool compensated;
+    uint32_t samples = 1;  // a pixel; anything but kCoverageSamples counts as 1
+};
+
 void projectBound(Jobs& jobs, SplatEngine::Buffers& buffers, const BoundSplatView& splats, std::span<const TriangleFrame<float>> triangles,
-                  const Cameraf& camera, float kappaPx2, bool compensated, bool record);
-void projectStatic(Jobs& jobs, SplatEngine::Buffers& buffers, const StaticSplatData& splats, const Cameraf& camera, float kappaPx2,
-                   bool compensated);
+                  const SplatCamera& seen, bool record);
+void projectStatic(Jobs& jobs, SplatEngine::Buffers& buffers, const StaticSplatData& splats, const SplatCamera& seen);
 // behind: appends to the splats already projected with this camera instead of replacing them.
 void projectCoded(Jobs& jobs, SplatEngine::Buffers& buffers, const CodedSplats& splats, std::span<const TriangleFrame<float>> triangles,
-                  const Cameraf& camera, float kappaPx2, bool compensated, uint32_t samples, bool behind, const SplatDetail& detail);
+                  const SplatCamera& seen, const SplatDetail& detail, bool behind);
 void projectPacked(Jobs& jobs, SplatEngine::Buffers& buffers, const PackedSplats& splats, std::span<const TriangleFrame<float>> triangles,
-                   const Cameraf& camera, float kappaPx2, bool compensated, uint32_t samples, bool behind, const GeneralDetail& detail,
-                   std::span<const GeneralGroup> groups);
+                   const SplatCamera& seen, const KeptGroups& kept, bool behind);
 void sortByDepth(Jobs& jobs, SplatEngine::Buffers& buffers);
 void binIntoTiles(Jobs& jobs, SplatEngine::Buffers& buffers);
 void blendTiles(Jobs& jobs, SplatEngine::Buffers& buffers, SplatImage& image, const BlendOptions& options);

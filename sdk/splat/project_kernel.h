@@ -12,11 +12,12 @@ namespace dpl {
 struct ProjectView {
     float rotation[9];  // row-major, view from world
     float translation[3], eye[3];
-    float fx, fy, cx, cy, width, height;
-    float minX, maxX, minY, maxY;  // limits of x/z and y/z in the Jacobian
-    float kappaPx2;                // of a sample
-    float reachPx;                 // of a sample from the pixel's centre, along an axis
-    uint32_t samples;              // a pixel
+    uint32_t widthPx, heightPx;
+    float fx, fy, cx, cy, width, height;  // width, height: the same as floats, px
+    float minX, maxX, minY, maxY;         // limits of x/z and y/z in the Jacobian
+    float kappaPx2;                       // of a sample
+    float reachPx;                        // of a sample from the pixel's centre, along an axis
+    uint32_t samples;                     // a pixel
     bool compensated;
 };
 

@@ -227,7 +227,7 @@ private:
         if (d.avatar)
             put(d.splats, d.detail);
         else
-            put(d.general, d.generalDetail, d.generalSubject.groups());
+            put(d.general, KeptGroups{d.generalDetail, d.generalSubject.groups()});
     }
 
     /** Chooses how many splats of each subject of together_ are drawn. */

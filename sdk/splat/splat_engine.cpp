@@ -10,32 +10,31 @@ SplatEngine::~SplatEngine() = default;
 
 void SplatEngine::project(const BoundSplatView& splats, std::span<const TriangleFrame<float>> triangles, const Cameraf& camera,
                           float kappaPx2, bool compensated, bool record) {
-    projectBound(jobs_, *buffers_, splats, triangles, camera, kappaPx2, compensated, record);
+    projectBound(jobs_, *buffers_, splats, triangles, {camera, kappaPx2, compensated}, record);
 }
 
 void SplatEngine::project(const StaticSplatData& splats, const Cameraf& camera, float kappaPx2, bool compensated) {
-    projectStatic(jobs_, *buffers_, splats, camera, kappaPx2, compensated);
+    projectStatic(jobs_, *buffers_, splats, {camera, kappaPx2, compensated});
 }
 
 void SplatEngine::project(const CodedSplats& splats, std::span<const TriangleFrame<float>> triangles, const Cameraf& camera, float kappaPx2,
                           bool compensated, uint32_t samples, const SplatDetail& detail) {
-    projectCoded(jobs_, *buffers_, splats, triangles, camera, kappaPx2, compensated, samples, false, detail);
+    projectCoded(jobs_, *buffers_, splats, triangles, {camera, kappaPx2, compensated, samples}, detail, /*behind=*/false);
 }
 
 void SplatEngine::project(const PackedSplats& splats, std::span<const TriangleFrame<float>> triangles, const Cameraf& camera,
-                          float kappaPx2, bool compensated, uint32_t samples, const GeneralDetail& detail,
-                          std::span<const GeneralGroup> groups) {
-    projectPacked(jobs_, *buffers_, splats, triangles, camera, kappaPx2, compensated, samples, false, detail, groups);
+                          float kappaPx2, bool compensated, uint32_t samples, const KeptGroups& kept) {
+    projectPacked(jobs_, *buffers_, splats, triangles, {camera, kappaPx2, compensated, samples}, kept, /*behind=*/false);
 }
 
 void SplatEngine::add(const CodedSplats& splats, std::span<const TriangleFrame<float>> triangles, const Cameraf& camera, float kappaPx2,
                       bool compensated, uint32_t samples, const SplatDetail& detail) {
-    projectCoded(jobs_, *buffers_, splats, triangles, camera, kappaPx2, compensated, samples, true, detail);
+    projectCoded(jobs_, *buffers_, splats, triangles, {camera, kappaPx2, compensated, samples}, detail, /*behind=*/true);
 }
 
 void SplatEngine::add(const PackedSplats& splats, std::span<const TriangleFrame<float>> triangles, const Cameraf& camera, float kappaPx2,
-                      bool compensated, uint32_t samples, const GeneralDetail& detail, std::span<const GeneralGroup> groups) {
-    projectPacked(jobs_, *buffers_, splats, triangles, camera, kappaPx2, compensated, samples, true, detail, groups);
+                      bool compensated, uint32_t samples, const KeptGroups& kept) {
+    projectPacked(jobs_, *buffers_, splats, triangles, {camera, kappaPx2, compensated, samples}, kept, /*behind=*/true);
 }
 
 void SplatEngine::sort() {

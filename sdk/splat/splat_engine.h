@@ -65,6 +65,12 @@ struct TileLists {
     std::vector<uint32_t> entries;
 };
 
+/** Which general splats level of detail keeps. groups: those of the set, in packed order; empty: all splats are drawn. */
+struct KeptGroups {
+    GeneralDetail detail;
+    std::span<const GeneralGroup> groups = {};
+};
+
 struct BlendOptions {
     bool cloth = false;
     bool depth = false;
@@ -88,9 +94,9 @@ public:
 
     /** The same for packed splats: faster, for sets that do not change. triangles: for bound splats, else empty. samples: 1 or
      *  kCoverageSamples; with more than 1, blending composites at that many positions of a pixel, each with its share of kappaPx2, and
-     *  averages them (sdk/math/coverage.h). groups: of general splats, in packed order; empty: all are drawn. */
+     *  averages them (sdk/math/coverage.h). kept: of general splats. */
     void project(const PackedSplats& splats, std::span<const TriangleFrame<float>> triangles, const Cameraf& camera, float kappaPx2,
-                 bool compensated, uint32_t samples = 1, const GeneralDetail& detail = {}, std::span<const GeneralGroup> groups = {});
+                 bool compensated, uint32_t samples = 1, const KeptGroups& kept = {});
     /** Bound splats as the file codes them. Only splats whose triangle may show in the view are decoded; the others have opacity 0 in
      *  projected(). detail needs splats.groups; with level of detail, projected() holds the kept splats densely from each multiple of 4096
      *  on. */
@@ -101,7 +107,7 @@ public:
     void add(const CodedSplats& splats, std::span<const TriangleFrame<float>> triangles, const Cameraf& camera, float kappaPx2,
              bool compensated, uint32_t samples = 1, const SplatDetail& detail = {});
     void add(const PackedSplats& splats, std::span<const TriangleFrame<float>> triangles, const Cameraf& camera, float kappaPx2,
-             bool compensated, uint32_t samples = 1, const GeneralDetail& detail = {}, std::span<const GeneralGroup> groups = {});
+             bool compensated, uint32_t samples = 1, const KeptGroups& kept = {});
     /** Bytes of codes read since the last project(): to decide which splats may show, and to decode those. */
     uint64_t decidedBytes() const;
     uint64_t decodedBytes() const;

@@ -11,7 +11,9 @@ namespace {
 
 constexpr uint32_t kPackAhead = 64;  // splats packed or decoded at a time: 15 KB at SH degree 3, which fits the L1 cache
 
-ProjectView viewOf(const Cameraf& camera, float kappaPx2, bool compensated, uint32_t samples = 1) {
+ProjectView viewOf(const SplatCamera& seen) {
+    const Cameraf& camera = seen.camera;
+    const uint32_t samples = seen.samples == kCoverageSamples ? kCoverageSamples : 1;
     ProjectView v;
     for (int r = 0; r < 3; ++r)
         for (int c = 0; c < 3; ++c) v.rotation[r * 3 + c] = camera.viewFromWorldRotation[c][r];
@@ -19,12 +21,13 @@ ProjectView viewOf(const Cameraf& camera, float kappaPx2, bool compensated, uint
     const Vec3f eye = camera.eye();
     for (int k = 0; k < 3; ++k) v.translation[k] = camera.viewFromWorldTranslation[k], v.eye[k] = eye[k];
     v.fx = camera.fx, v.fy = camera.fy, v.cx = camera.cx, v.cy = camera.cy;
+    v.widthPx = camera.widthPx, v.heightPx = camera.heightPx;
     v.width = float(camera.widthPx), v.height = float(camera.heightPx);
     v.minX = limit.minX, v.maxX = limit.maxX, v.minY = limit.minY, v.maxY = limit.maxY;
-    v.kappaPx2 = kappaPx2 / float(samples);
+    v.kappaPx2 = seen.kappaPx2 / float(samples);
     v.reachPx = samples > 1 ? kCoverageReachPx : 0;
     v.samples = samples;
-    v.compensated = compensated;
+    v.compensated = seen.compensated;
     return v;
 }
 
@@ -32,9 +35,9 @@ void store(float* out, const Vec3f& v) {
     out[0] = v.x, out[1] = v.y, out[2] = v.z;
 }
 
-/** One record for each triangle, and an invalid one after the last. */
-const TriangleView* viewTriangles(Jobs& jobs, Scratch<TriangleView>& scratch, std::span<const TriangleFrame<float>> triangles,
-                                  const Cameraf& camera) {
+/** One record for each triangle. Behind the last one lies an invalid one, so the result is never null. */
+std::span<const TriangleView> viewTriangles(Jobs& jobs, Scratch<TriangleView>& scratch, std::span<const TriangleFrame<float>> triangles,
+                                            const Cameraf& camera) {
     TriangleView* out = scratch.resize(triangles.size() + 1);
     out[triangles.size()] = TriangleView{};
     const Vec3f eye = camera.eye();
@@ -57,7 +60,7 @@ const TriangleView* viewTriangles(Jobs& jobs, Scratch<TriangleView>& scratch, st
             out[i] = r;
         }
     });
-    return out;
+    return {out, triangles.size()};
 }
 
 /** Makes entries [splatCount, end) of projected() invisible. */
@@ -66,20 +69,27 @@ void hideTail(SplatEngine::Buffers& buffers, size_t end) {
     for (size_t i = buffers.splatCount; i < end; ++i) projected[i].opacity = 0;
 }
 
+/** One set of splats to project, and where its results go. */
+struct ProjectInput {
+    uint32_t count = 0, shDegree = 0;
+    std::span<const TriangleView> triangles = {};  // without the invalid one behind them; data() is null for general splats
+    bool behind = false;                           // after the splats projected so far, else instead of them
+    bool record = false;                           // fill SplatEngine::forwardRecords()
+};
+
 /** Sizes the buffers, then runs body(task) for each block of splats; all of the task but `packed` is set. */
 template <class Body>
-void forProjectBlocks(Jobs& jobs, SplatEngine::Buffers& buffers, const Cameraf& camera, const ProjectView& view, uint32_t count,
-                      uint32_t shDegree, const TriangleView* triangles, size_t triangleCount, bool behind, bool record, Body&& body) {
+void forProjectBlocks(Jobs& jobs, SplatEngine::Buffers& buffers, const ProjectView& view, const ProjectInput& input, Body&& body) {
     const auto allowed = [](uint32_t size) { return size > 0 && size <= kMaxTargetPx; };
-    const bool drawable = allowed(camera.widthPx) && allowed(camera.heightPx);
-    buffers.widthPx = drawable ? camera.widthPx : 0, buffers.heightPx = drawable ? camera.heightPx : 0;
-    if (!drawable) count = 0;
+    const bool drawable = allowed(view.widthPx) && allowed(view.heightPx);
+    buffers.widthPx = drawable ? view.widthPx : 0, buffers.heightPx = drawable ? view.heightPx : 0;
+    const uint32_t count = drawable ? input.count : 0;
     // The kernel writes whole packed groups, so there is room for the padding of the last one.
-    const size_t before = behind ? buffers.blocks.size() : 0, first = before * kProjectBlock,
+    const size_t before = input.behind ? buffers.blocks.size() : 0, first = before * kProjectBlock,
                  padded = first + groupCount(count) * kGroupSplats;
-    if (behind) hideTail(buffers, first);
+    if (input.behind) hideTail(buffers, first);
     buffers.projected.grow(padded), buffers.boxes.grow(padded);
-    buffers.records.resize(record ? padded : 0);
+    buffers.records.resize(input.record ? padded : 0);
     buffers.keys[0].grow(padded), buffers.values[0].grow(padded);
     buffers.splatCount = uint32_t(first) + count;
     buffers.sortedFrame = false;
@@ -91,12 +101,12 @@ void forProjectBlocks(Jobs& jobs, SplatEngine::Buffers& buffers, const Cameraf& 
                          nullptr,
                          uint32_t(groupCount(end - begin)),
                          uint32_t(begin),
-                         shDegree,
-                         triangles,
-                         uint32_t(triangleCount),
+                         input.shDegree,
+                         input.triangles.data(),
+                         uint32_t(input.triangles.size()),
                          uint32_t(first),
                          buffers.projected.data() + first,
-                         record ? buffers.records.data() + first : nullptr,
+                         input.record ? buffers.records.data() + first : nullptr,
                          buffers.boxes.data() + first,
                          buffers.keys[0].data() + first + begin,
                          buffers.values[0].data() + first + begin,
@@ -290,24 +300,21 @@ void projectUnpacked(const Splats& splats, ProjectTask task) {
 }  // namespace
 
 void projectBound(Jobs& jobs, SplatEngine::Buffers& buffers, const BoundSplatView& splats, std::span<const TriangleFrame<float>> triangles,
-                  const Cameraf& camera, float kappaPx2, bool compensated, bool record) {
-    const ProjectView view = viewOf(camera, kappaPx2, compensated);
-    const TriangleView* posed = viewTriangles(jobs, buffers.triangles, triangles, camera);
-    forProjectBlocks(jobs, buffers, camera, view, usableCount(splats), splats.shDegree, posed, triangles.size(), false, record,
+                  const SplatCamera& seen, bool record) {
+    const auto posed = viewTriangles(jobs, buffers.triangles, triangles, seen.camera);
+    forProjectBlocks(jobs, buffers, viewOf(seen), {usableCount(splats), splats.shDegree, posed, /*behind=*/false, record},
                      [&](const ProjectTask& task) { projectUnpacked(splats, task); });
 }
 
-void projectStatic(Jobs& jobs, SplatEngine::Buffers& buffers, const StaticSplatData& splats, const Cameraf& camera, float kappaPx2,
-                   bool compensated) {
-    const ProjectView view = viewOf(camera, kappaPx2, compensated);
-    forProjectBlocks(jobs, buffers, camera, view, usableCount(splats), splats.shDegree, nullptr, 0, false, false,
+void projectStatic(Jobs& jobs, SplatEngine::Buffers& buffers, const StaticSplatData& splats, const SplatCamera& seen) {
+    forProjectBlocks(jobs, buffers, viewOf(seen), {usableCount(splats), splats.shDegree},
                      [&](const ProjectTask& task) { projectUnpacked(splats, task); });
 }
 
 void projectCoded(Jobs& jobs, SplatEngine::Buffers& buffers, const CodedSplats& splats, std::span<const TriangleFrame<float>> triangles,
-                  const Cameraf& camera, float kappaPx2, bool compensated, uint32_t samples, bool behind, const SplatDetail& detail) {
-    const ProjectView view = viewOf(camera, kappaPx2, compensated, samples == kCoverageSamples ? kCoverageSamples : 1);
-    const TriangleView* posed = viewTriangles(jobs, buffers.triangles, triangles, camera);
+                  const SplatCamera& seen, const SplatDetail& detail, bool behind) {
+    const ProjectView view = viewOf(seen);
+    const auto posed = viewTriangles(jobs, buffers.triangles, triangles, seen.camera);
     const bool all = detail.full() || splats.groups.empty();
     uint8_t* shows = buffers.parentShows.resize(splats.parents.size());
     jobs.forRange(splats.chunks.size(), 16, [&](size_t begin, size_t end, uint32_t) {
@@ -319,31 +326,27 @@ void projectCoded(Jobs& jobs, SplatEngine::Buffers& buffers, const CodedSplats& 
             const float largestM = growth * splats.chunks[c].scaleMaxM;
             const size_t parentsEnd = c + 1 < splats.chunks.size() ? splats.chunks[c + 1].firstParent : splats.parents.size();
             for (size_t p = splats.chunks[c].firstParent; p < parentsEnd; ++p)
-                shows[p] = showsOf(view, posed[std::min<size_t>(splats.parents[p], triangles.size())], largestM);
+                shows[p] = showsOf(view, posed.data()[std::min<size_t>(splats.parents[p], posed.size())], largestM);
         }
     });
-    forProjectBlocks(jobs, buffers, camera, view, splats.count(), splats.shDegree, posed, triangles.size(), behind, false,
-                     [&](const ProjectTask& task) {
-                         if (all)
-                             projectBlockOfCodes(splats, shows, task);
-                         else
-                             projectChosenOfCodes(splats, shows, detail, task);
-                     });
+    forProjectBlocks(jobs, buffers, view, {splats.count(), splats.shDegree, posed, behind}, [&](const ProjectTask& task) {
+        if (all)
+            projectBlockOfCodes(splats, shows, task);
+        else
+            projectChosenOfCodes(splats, shows, detail, task);
+    });
 }
 
 void projectPacked(Jobs& jobs, SplatEngine::Buffers& buffers, const PackedSplats& splats, std::span<const TriangleFrame<float>> triangles,
-                   const Cameraf& camera, float kappaPx2, bool compensated, uint32_t samples, bool behind, const GeneralDetail& detail,
-                   std::span<const GeneralGroup> groups) {
-    const ProjectView view = viewOf(camera, kappaPx2, compensated, samples == kCoverageSamples ? kCoverageSamples : 1);
-    const TriangleView* posed = splats.bound() ? viewTriangles(jobs, buffers.triangles, triangles, camera) : nullptr;
+                   const SplatCamera& seen, const KeptGroups& kept, bool behind) {
+    const auto posed = splats.bound() ? viewTriangles(jobs, buffers.triangles, triangles, seen.camera) : std::span<const TriangleView>();
     const size_t groupFloats = size_t(groupFields(splats.bound(), splats.shDegree())) * kGroupSplats;
-    const bool all = detail.full() || groups.empty() || splats.bound();
-    forProjectBlocks(jobs, buffers, camera, view, splats.count(), splats.shDegree(), posed, triangles.size(), behind, false,
-                     [&](ProjectTask task) {
-                         if (!all) return projectChosenOfPacked(splats, groups, detail, task);
-                         task.packed = splats.data() + task.firstSplat / kGroupSplats * groupFloats;
-                         projectGroups(task);
-                     });
+    const bool all = kept.detail.full() || kept.groups.empty() || splats.bound();
+    forProjectBlocks(jobs, buffers, viewOf(seen), {splats.count(), splats.shDegree(), posed, behind}, [&](ProjectTask task) {
+        if (!all) return projectChosenOfPacked(splats, kept.groups, kept.detail, task);
+        task.packed = splats.data() + task.firstSplat / kGroupSplats * groupFloats;
+        projectGroups(task);
+    });
 }
 
 }  // namespace dpl

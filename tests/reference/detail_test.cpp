@@ -123,7 +123,7 @@ struct Room {
         SplatEngine engine(jobs);
         SplatImage image;
         subject.look(views);
-        engine.project(packed, {}, views[0], splats.kappaPx2, false, 1, subject.detail(perPixel), subject.groups());
+        engine.project(packed, {}, views[0], splats.kappaPx2, false, 1, {subject.detail(perPixel), subject.groups()});
         engine.bin();
         if (visible) *visible = engine.visibleCount();
         engine.blend(image, {.cloth = true, .depth = true});
@@ -189,7 +189,7 @@ TEST(Detail, ofGeneralSplatsFollowsTheCameraWithoutSteps) {
             SplatImage image;
             const Cameraf from = lookAt({0.3f, 0.2f, 3 - stepM * float(k)}, {0, 0, -8}, 170, 130, 110);
             room.subject.look({&from, 1});
-            engine.project(room.packed, {}, seen, room.splats.kappaPx2, false, 1, room.subject.detail(0.05f), room.subject.groups());
+            engine.project(room.packed, {}, seen, room.splats.kappaPx2, false, 1, {room.subject.detail(0.05f), room.subject.groups()});
             engine.bin();
             engine.blend(image);
             for (size_t i = 0; i < before.size(); ++i) largest = std::max(largest, std::abs(double(image.rgb[i]) - double(before[i])));
