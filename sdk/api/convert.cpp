@@ -121,8 +121,13 @@ Status cameraFromAngles(const float* orientation, const float* position, const f
     return writeCamera(eye, {fx, fy, -left * fx, top * fy}, widthPx, heightPx, camera);
 }
 
-Status cameraFromProjection(const float* orientation, const float* position, const float* projection, DplClipDepth clipDepth,
-                            uint32_t widthPx, uint32_t heightPx, DplCamera* camera, float* depth) {
+/** What a projection matrix says of a camera. Stored depth = depthScale + depthOffset / view z. */
+struct ProjectionFacts {
+    Lens lens;
+    float depthScale, depthOffset;
+};
+
+Result<ProjectionFacts> readProjection(const float* projection, DplClipDepth clipDepth, uint32_t widthPx, uint32_t heightPx) {
     if (!projection) return fail(Code::InvalidArgument, "projection is NULL");
     DPL_RETURN_IF_ERROR(checkSize(widthPx, heightPx));
     if (clipDepth != DPL_CLIP_DEPTH_ZERO_TO_ONE && clipDepth != DPL_CLIP_DEPTH_MINUS_ONE_TO_ONE)
@@ -141,14 +146,9 @@ Status cameraFromProjection(const float* orientation, const float* position, con
     Lens lens{};
     lens.fx = 0.5 * widthPx * at(0, 0) / w, lens.cx = 0.5 * widthPx * (1 + forward * at(0, 2) / w);
     lens.fy = 0.5 * heightPx * std::abs(at(1, 1)) / w, lens.cy = 0.5 * heightPx * (1 - clipUp * forward * at(1, 2) / w);
-    DPL_TRY(const Eye eye, eyeOf(orientation, position));
-    DPL_RETURN_IF_ERROR(writeCamera(eye, lens, widthPx, heightPx, camera));
-    if (depth) {
-        const double scale = forward * at(2, 2) / w, offset = at(2, 3) / w;
-        const bool zeroToOne = clipDepth == DPL_CLIP_DEPTH_ZERO_TO_ONE;
-        depth[0] = float(zeroToOne ? scale : 0.5 * scale + 0.5), depth[1] = float(zeroToOne ? offset : 0.5 * offset);
-    }
-    return {};
+    const double scale = forward * at(2, 2) / w, offset = at(2, 3) / w;
+    if (clipDepth == DPL_CLIP_DEPTH_ZERO_TO_ONE) return ProjectionFacts{lens, float(scale), float(offset)};
+    return ProjectionFacts{lens, float(0.5 * scale + 0.5), float(0.5 * offset)};
 }
 
 Status depthFromPlanes(float zAtZeroM, float zAtOneM, float* depth) {
@@ -203,8 +203,13 @@ extern "C" DplResult dplCameraFromAngles(const float* orientation, const float* 
 
 extern "C" DplResult dplCameraFromProjection(const float* orientation, const float* position, const float* projection,
                                              DplClipDepth clipDepth, uint32_t widthPx, uint32_t heightPx, DplCamera* camera, float* depth) {
-    return guarded("dplCameraFromProjection",
-                   [&] { return cameraFromProjection(orientation, position, projection, clipDepth, widthPx, heightPx, camera, depth); });
+    return guarded("dplCameraFromProjection", [&]() -> Status {
+        DPL_TRY(const ProjectionFacts facts, readProjection(projection, clipDepth, widthPx, heightPx));
+        DPL_TRY(const Eye eye, eyeOf(orientation, position));
+        DPL_RETURN_IF_ERROR(writeCamera(eye, facts.lens, widthPx, heightPx, camera));
+        if (depth) depth[0] = facts.depthScale, depth[1] = facts.depthOffset;
+        return {};
+    });
 }
 
 extern "C" DplResult dplDepthFromPlanes(float zAtZeroM, float zAtOneM, float* depth) {

@@ -299,13 +299,19 @@ size_t componentBytes(GltfComponent c) {
     return 0;
 }
 
-Status checkRange(const GltfModel& m, int32_t view, size_t offset, size_t elementBytes, size_t stride, uint64_t count, const char* what,
-                  size_t index) {
-    if (view < 0 || size_t(view) >= m.views.size())
-        return fail(Code::CorruptData, "{} {} names buffer view {}, there are {}", what, index, view, m.views.size());
-    if (count == 0) return fail(Code::CorruptData, "{} {} is empty", what, index);
-    const size_t length = m.views[view].length;
-    if (offset > length || elementBytes > length - offset || (count - 1) > (length - offset - elementBytes) / stride)
+/** Elements in a buffer view, as the file gives them. Sizes in bytes. */
+struct ViewElements {
+    int32_t view;
+    size_t offset, elementBytes, stride;
+    uint64_t count;
+};
+
+Status checkRange(const GltfModel& m, const ViewElements& e, const char* what, size_t index) {
+    if (e.view < 0 || size_t(e.view) >= m.views.size())
+        return fail(Code::CorruptData, "{} {} names buffer view {}, there are {}", what, index, e.view, m.views.size());
+    if (e.count == 0) return fail(Code::CorruptData, "{} {} is empty", what, index);
+    const size_t length = m.views[e.view].length;
+    if (e.offset > length || e.elementBytes > length - e.offset || (e.count - 1) > (length - e.offset - e.elementBytes) / e.stride)
         return fail(Code::CorruptData, "{} {} reaches past its buffer view", what, index);
     return {};
 }
@@ -325,16 +331,16 @@ Status checkRanges(const GltfModel& m) {
         if (a.view >= 0) {
             const size_t stride = size_t(a.view) < m.views.size() && m.views[a.view].stride ? m.views[a.view].stride : bytes;
             if (stride < bytes) return fail(Code::CorruptData, "accessor {} has elements longer than its stride", i);
-            DPL_RETURN_IF_ERROR(checkRange(m, a.view, a.offset, bytes, stride, a.count, "accessor", i));
+            DPL_RETURN_IF_ERROR(checkRange(m, {a.view, a.offset, bytes, stride, a.count}, "accessor", i));
         }
         if (a.sparse.count) {
             const size_t indexBytes = componentBytes(a.sparse.indexComponent);
             if (a.sparse.count > a.count || (indexBytes != 1 && indexBytes != 2 && indexBytes != 4))
                 return fail(Code::CorruptData, "sparse accessor {} is malformed", i);
             DPL_RETURN_IF_ERROR(
-                checkRange(m, a.sparse.indexView, a.sparse.indexOffset, indexBytes, indexBytes, a.sparse.count, "sparse accessor", i));
+                checkRange(m, {a.sparse.indexView, a.sparse.indexOffset, indexBytes, indexBytes, a.sparse.count}, "sparse accessor", i));
             DPL_RETURN_IF_ERROR(
-                checkRange(m, a.sparse.valueView, a.sparse.valueOffset, bytes, bytes, a.sparse.count, "sparse accessor", i));
+                checkRange(m, {a.sparse.valueView, a.sparse.valueOffset, bytes, bytes, a.sparse.count}, "sparse accessor", i));
         }
     }
     return {};
