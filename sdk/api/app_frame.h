@@ -2,76 +2,45 @@
 // The frame of a context on an app's device that becomes part of the app's frame: what Vulkan and Metal have in common.
 #pragma once
 
-#include <algorithm>
-#include <cmath>
-
 #include "sdk/api/scene.h"
-#include "sdk/backend/app_pass.h"
+#include "sdk/backend/slotted_backend.h"
 #include "sdk/core/function_ref.h"
 #include "sdk/include/doppel/doppel.h"
 #include "sdk/render/gpu_renderer.h"
 
 namespace dpl::api {
 
-static_assert(DPL_DRAW_DEPTH == int(PictureDepth::Splats) && DPL_DRAW_MESH_DEPTH == int(PictureDepth::Mesh));
+/** What only a context on the program's device has. The context owns the renderer, which owns the backend. */
+struct AppSide {
+    GpuRenderer& renderer;
+    AppBackend& backend;
+};
 
-/** Whether stored depth = scale + offset / z says anything. */
-inline Status checkProjection(float scale, float offset) {
-    if (std::isfinite(scale) && std::isfinite(offset) && offset != 0) return {};
-    return fail(Code::InvalidArgument, "a depth with scale {} and offset {}; both must be finite, and offset not 0", scale, offset);
-}
+/** What a program asks prepare or submit to draw. */
+struct PictureCall {
+    DplContext context;
+    uint32_t slot;
+    std::span<const DplAvatar> avatars;
+    const DplCamera* views;
+    uint32_t viewCount;
+};
 
-/** Encodes the frame of a slot that was taken. Side: has the `renderer` and the `backend` of a context. */
-template <class Side>
-Status encodePictures(Scene& scene, Side& side, const FrameWants& wants, const AppFrame& frame) {
-    Drawn what[DPL_MAX_TOGETHER];
-    setDetailOfDraw(*scene.context, scene.first());
-    DPL_TRY(const std::span<const EncodedView> encoded,
-            side.renderer.encodeTogether(scene.drawn(what), scene.context->cameras, wants, frame));
-    LayerPlace places[DPL_MAX_VIEWS];
-    for (size_t v = 0; v < encoded.size(); ++v) {
-        const EncodedView& e = encoded[v];
-        places[v] = {e.target, e.view, e.tilePixels, e.counts, e.tileDepthOffset, e.meshDepth};
-    }
-    return side.backend.setLayers(frame.slot, {places, encoded.size()});
-}
-
-/** What prepare does with a slot once it has taken it: begin() gives the commands to record into, end() follows the recording. */
+/** What prepare does with a slot once it has taken it: begin() gives the commands to record into, end() follows the recording. readScene
+ *  encodes the conversion of the program's depth image behind a view; called if withScene. */
 struct Recording {
     FunctionRef<Result<AppCommands>()> begin;
     FunctionRef<Status()> end;
+    bool withScene;
+    FunctionRef<Status(const SceneRead&)> readScene;
 };
 
-/** Draws a scene, whose views were taken, into the pictures of a slot. depths: images of the app's depth, one for each view, or empty. */
-template <class Side, class Image>
-Status preparePictures(Scene& scene, Side& side, uint32_t slot, std::span<const Image> depths, const Recording& recording) {
-    FrameWants wants;
-    std::copy(std::begin(scene.sceneDepthM), std::end(scene.sceneDepthM), wants.sceneDepthM);
-    wants.sceneEncoded = !depths.empty();
-    const uint32_t written = side.backend.depthsWritten();
-    wants.depth = written & DPL_DRAW_DEPTH;
-    for (size_t i = 0; i < scene.count; ++i) wants.meshDepth |= (written & DPL_DRAW_MESH_DEPTH) && !scene.avatars[i]->data->joints.empty();
-    const Cameraf& first = scene.context->cameras[0];
-    AppCommands commands;
-    const auto encodeScene = [&](BufferId to, uint32_t firstView, uint32_t count) -> Status {
-        for (uint32_t v = 0; v < count; ++v) {
-            DPL_RETURN_IF_ERROR(
-                side.backend.readScene(slot, firstView + v, v, first.widthPx, first.heightPx, depths[firstView + v], to, commands));
-        }
-        return {};
-    };
-    DPL_RETURN_IF_ERROR(side.backend.takeSlot(slot));
-    DPL_RETURN_IF_ERROR(checkUsable(*scene.context));  // the slot may have told that the device was lost
-    const Status recorded = [&]() -> Status {
-        DPL_TRY(commands, recording.begin());
-        DPL_RETURN_IF_ERROR(side.backend.encodeCopies(slot, commands, /*endsSlot=*/false));
-        DPL_RETURN_IF_ERROR(encodePictures(scene, side, wants, {slot, commands, encodeScene}));
-        return recording.end();
-    }();
-    if (!recorded) {
-        DPL_RETURN_IF_ERROR(side.backend.dropSlot(slot));  // what was recorded need not be submitted
-    }
-    return recorded;
-}
+/** Whether stored depth = scale + offset / z says anything. */
+Status checkProjection(float scale, float offset);
+
+/** Draws a scene, whose views were taken, into the pictures of a slot. */
+Status preparePictures(Scene& scene, const AppSide& side, uint32_t slot, const Recording& recording);
+
+/** Encodes uploads that wait, without a picture. The context is locked. */
+Status encodeUploads(const Context& context, AppBackend& backend, uint32_t slot, AppCommands commands);
 
 }  // namespace dpl::api

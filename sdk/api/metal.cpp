@@ -56,7 +56,7 @@ Result<NewRenderer> rebuilt(const Context& context, const DplMetalDevice* device
     if (device) {
         DPL_TRY(const DplMetalDevice given, readStruct<DplMetalDevice>(device, "device"));
         DPL_TRY(made, lentRenderer(given, context.request.options));
-        made.side->backend.numberAfter(context.metal->backend);
+        made.side->backend.numberAfter(context.metal->backend.lastNumber());
     } else {
         DPL_TRY(made.renderer, createGpuRenderer(context.request.kind, context.request.options));
     }
@@ -80,24 +80,25 @@ Status takeDepths(const mtl::MetalBackend& backend, const DplMetalSceneDepth* de
         DPL_TRY(const DplMetalSceneDepth given, element(depths, v, "depths"));
         if (!given.texture) return fail(Code::InvalidArgument, "depth {} has no texture", v);
         DPL_RETURN_IF_ERROR(checkProjection(given.scale, given.offset));
-        textures[v] = {{given.texture}, given.slice, given.x, given.y, given.scale, given.offset};
+        textures[v] = {{given.texture}, {given.slice, given.x, given.y, {given.scale, given.offset}}};
         DPL_RETURN_IF_ERROR(backend.checkScene(v, textures[v]));
     }
     return {};
 }
 
-Status prepare(DplContext context, uint32_t slot, std::span<const DplAvatar> avatars, const DplCamera* views, uint32_t viewCount,
-               const DplMetalSceneDepth* depths, FunctionRef<Result<AppCommands>(mtl::MetalBackend&)> begin,
+Status prepare(const PictureCall& call, const DplMetalSceneDepth* depths, FunctionRef<Result<AppCommands>(mtl::MetalBackend&)> begin,
                FunctionRef<Status(mtl::MetalBackend&)> end) {
-    DPL_TRY(Scene scene, sceneOf(context, avatars, viewCount));
+    DPL_TRY(Scene scene, sceneOf(call.context, call.avatars, call.viewCount));
     DPL_TRY(MetalSide * side, sideOf(*scene.context));
-    DPL_RETURN_IF_ERROR(takeViews(scene, views, viewCount));
+    mtl::MetalBackend& backend = side->backend;
+    DPL_RETURN_IF_ERROR(takeViews(scene, call.views, call.viewCount));
     mtl::SceneTexture textures[DPL_MAX_VIEWS];
     if (depths) {
-        DPL_RETURN_IF_ERROR(takeDepths(side->backend, depths, viewCount, textures));
+        DPL_RETURN_IF_ERROR(takeDepths(backend, depths, call.viewCount, textures));
     }
-    return preparePictures(scene, *side, slot, std::span<const mtl::SceneTexture>(textures, depths ? viewCount : 0),
-                           {[&] { return begin(side->backend); }, [&] { return end(side->backend); }});
+    const auto readScene = [&](const SceneRead& read) { return backend.readScene(read, textures[read.view]); };
+    return preparePictures(scene, {side->renderer, backend}, call.slot,
+                           {[&] { return begin(backend); }, [&] { return end(backend); }, depths != nullptr, readScene});
 }
 
 Result<mtl::AppSubmission> submissionOf(const DplMetalSubmission& given) {
@@ -109,7 +110,7 @@ Result<mtl::AppSubmission> submissionOf(const DplMetalSubmission& given) {
         if (!given.textures[i]) return fail(Code::InvalidArgument, "texture {} of how is NULL", i);
         how.textures[i] = {given.textures[i]};
     }
-    how.x = given.x, how.y = given.y;
+    how.place = {given.x, given.y};
     how.waitEvent = {given.waitEvent}, how.signalEvent = {given.signalEvent};
     how.waitValue = given.waitValue, how.signalValue = given.signalValue;
     how.drawable = {given.drawable};
@@ -123,7 +124,7 @@ DplResult withSide(const char* function, DplContext context, Body&& body) {
         DPL_TRY(const auto found, contextOf(context));
         std::lock_guard lock(found->mutex);
         DPL_TRY(MetalSide * side, sideOf(*found));
-        return body(side->backend);
+        return body(side->backend, *found);
     });
 }
 
@@ -162,7 +163,7 @@ extern "C" DplResult dplRebuildMetal(DplContext context, const DplMetalDevice* d
 }
 
 extern "C" DplResult dplCreateMetalComposer(DplContext context, const DplMetalPass* pass, uint32_t* composer) {
-    return withSide("dplCreateMetalComposer", context, [&](mtl::MetalBackend& backend) -> Status {
+    return withSide("dplCreateMetalComposer", context, [&](mtl::MetalBackend& backend, const Context&) -> Status {
         if (composer == nullptr) return fail(Code::InvalidArgument, "composer is NULL");
         DPL_TRY(const DplMetalPass given, readStruct<DplMetalPass>(pass, "pass"));
         if (given.writesDepth > DPL_DRAW_MESH_DEPTH)
@@ -176,7 +177,7 @@ extern "C" DplResult dplCreateMetalComposer(DplContext context, const DplMetalPa
 
 extern "C" DplResult dplDestroyMetalComposer(DplContext context, uint32_t composer) {
     return withSide("dplDestroyMetalComposer", context,
-                    [&](mtl::MetalBackend& backend) -> Status { return backend.destroyComposer({composer}); });
+                    [&](mtl::MetalBackend& backend, const Context&) -> Status { return backend.destroyComposer({composer}); });
 }
 
 extern "C" DplResult dplMetalPrepare(DplContext context, void* commands, uint32_t slot, const DplAvatar* avatars, uint32_t avatarCount,
@@ -186,7 +187,7 @@ extern "C" DplResult dplMetalPrepare(DplContext context, void* commands, uint32_
         DPL_TRY(const auto set, together(avatars, avatarCount));
         const auto begin = [&](mtl::MetalBackend&) -> Result<AppCommands> { return AppCommands{commands}; };
         const auto end = [](mtl::MetalBackend&) { return Status(); };
-        return prepare(context, slot, set, views, viewCount, depths, begin, end);
+        return prepare({context, slot, set, views, viewCount}, depths, begin, end);
     });
 }
 
@@ -199,35 +200,35 @@ extern "C" DplResult dplMetalSubmit(DplContext context, uint32_t composer, uint3
         DPL_TRY(const auto set, together(avatars, avatarCount));
         const auto begin = [&](mtl::MetalBackend& backend) { return backend.beginSubmission({composer}, slot, viewCount, submission); };
         const auto end = [&](mtl::MetalBackend& backend) { return backend.submitTo({composer}, slot, submission); };
-        return prepare(context, slot, set, views, viewCount, depths, begin, end);
+        return prepare({context, slot, set, views, viewCount}, depths, begin, end);
     });
 }
 
 extern "C" DplResult dplMetalUpload(DplContext context, void* commands, uint32_t slot) {
-    return withSide("dplMetalUpload", context, [&](mtl::MetalBackend& backend) -> Status {
+    return withSide("dplMetalUpload", context, [&](mtl::MetalBackend& backend, const Context& locked) -> Status {
         if (!commands) return fail(Code::InvalidArgument, "commands is NULL");
-        DPL_RETURN_IF_ERROR(backend.takeSlot(slot));
-        return backend.encodeCopies(slot, {commands}, /*endsSlot=*/true);
+        return encodeUploads(locked, backend, slot, {commands});
     });
 }
 
 extern "C" DplResult dplMetalDropSlot(DplContext context, uint32_t slot) {
-    return withSide("dplMetalDropSlot", context, [&](mtl::MetalBackend& backend) -> Status { return backend.dropSlot(slot); });
+    return withSide("dplMetalDropSlot", context,
+                    [&](mtl::MetalBackend& backend, const Context&) -> Status { return backend.dropSlot(slot); });
 }
 
 extern "C" DplResult dplMetalCompose(DplContext context, uint32_t composer, void* encoder, uint32_t slot, uint32_t view, int32_t x,
                                      int32_t y) {
-    return withSide("dplMetalCompose", context, [&](mtl::MetalBackend& backend) -> Status {
+    return withSide("dplMetalCompose", context, [&](mtl::MetalBackend& backend, const Context&) -> Status {
         if (!encoder) return fail(Code::InvalidArgument, "encoder is NULL");
-        return backend.compose({composer}, slot, view, x, y, {encoder});
+        return backend.compose({composer}, slot, view, {x, y}, {encoder});
     });
 }
 
 extern "C" DplResult dplMetalComposeDepth(DplContext context, uint32_t composer, void* encoder, uint32_t slot, uint32_t view, int32_t x,
                                           int32_t y, float scale, float offset) {
-    return withSide("dplMetalComposeDepth", context, [&](mtl::MetalBackend& backend) -> Status {
+    return withSide("dplMetalComposeDepth", context, [&](mtl::MetalBackend& backend, const Context&) -> Status {
         if (!encoder) return fail(Code::InvalidArgument, "encoder is NULL");
         DPL_RETURN_IF_ERROR(checkProjection(scale, offset));
-        return backend.composeDepth({composer}, slot, view, x, y, scale, offset, {encoder});
+        return backend.composeDepth({composer}, slot, view, {x, y}, {scale, offset}, {encoder});
     });
 }

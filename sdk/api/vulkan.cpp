@@ -4,12 +4,9 @@
 
 #include <iterator>
 
-#include "sdk/api/api_state.h"
 #include "sdk/api/app_frame.h"
 #include "sdk/api/create_renderer.h"
-#include "sdk/api/scene.h"
 #include "sdk/backend/vulkan/vk_backend.h"
-#include "sdk/render/gpu_renderer.h"
 
 namespace dpl::api {
 
@@ -84,7 +81,7 @@ Result<NewRenderer> rebuilt(const Context& context, const DplVulkanDevice* devic
     if (device) {
         DPL_TRY(const DplVulkanDevice given, readStruct<DplVulkanDevice>(device, "device"));
         DPL_TRY(made, lentRenderer(given, context.request.options));
-        made.side->backend.numberAfter(context.vulkan->backend);
+        made.side->backend.numberAfter(context.vulkan->backend.lastNumber());
     } else {
         DPL_TRY(made.renderer, createGpuRenderer(context.request.kind, context.request.options));
     }
@@ -132,23 +129,24 @@ Status takeDepths(const DplVulkanSceneDepth* depths, uint32_t viewCount, vk::Sce
                 v, int(given.layout));
         if (samples != 1 && samples != 4) return fail(Code::InvalidArgument, "depth {} has {} samples; 1 and 4 are possible", v, samples);
         DPL_RETURN_IF_ERROR(checkProjection(given.scale, given.offset));
-        images[v] = {given.image, given.layout, given.layer, samples, {given.x, given.y}, given.scale, given.offset};
+        images[v] = {given.image, given.layout, samples, {given.layer, given.x, given.y, {given.scale, given.offset}}};
     }
     return {};
 }
 
-Status prepare(DplContext context, uint32_t slot, std::span<const DplAvatar> avatars, const DplCamera* views, uint32_t viewCount,
-               const DplVulkanSceneDepth* depths, FunctionRef<Result<AppCommands>(vk::VulkanBackend&)> begin,
+Status prepare(const PictureCall& call, const DplVulkanSceneDepth* depths, FunctionRef<Result<AppCommands>(vk::VulkanBackend&)> begin,
                FunctionRef<Status(vk::VulkanBackend&)> end) {
-    DPL_TRY(Scene scene, sceneOf(context, avatars, viewCount));
+    DPL_TRY(Scene scene, sceneOf(call.context, call.avatars, call.viewCount));
     DPL_TRY(VulkanSide * side, sideOf(*scene.context));
-    DPL_RETURN_IF_ERROR(takeViews(scene, views, viewCount));
+    vk::VulkanBackend& backend = side->backend;
+    DPL_RETURN_IF_ERROR(takeViews(scene, call.views, call.viewCount));
     vk::SceneImage images[DPL_MAX_VIEWS];
     if (depths) {
-        DPL_RETURN_IF_ERROR(takeDepths(depths, viewCount, images));
+        DPL_RETURN_IF_ERROR(takeDepths(depths, call.viewCount, images));
     }
-    return preparePictures(scene, *side, slot, std::span<const vk::SceneImage>(images, depths ? viewCount : 0),
-                           {[&] { return begin(side->backend); }, [&] { return end(side->backend); }});
+    const auto readScene = [&](const SceneRead& read) { return backend.readScene(read, images[read.view]); };
+    return preparePictures(scene, {side->renderer, backend}, call.slot,
+                           {[&] { return begin(backend); }, [&] { return end(backend); }, depths != nullptr, readScene});
 }
 
 /** Reads a submission. InvalidArgument: a list or a handle is missing. */
@@ -189,6 +187,17 @@ Result<vk::AppTargetDesc> targetOf(const DplVulkanTarget& given) {
     desc.pass.colour = given.format, desc.pass.viewMask = given.viewMask;
     desc.pass.samples = given.samples == 0 ? 1 : given.samples;
     return desc;
+}
+
+/** Runs `body` with the Vulkan side of a context, whose mutex is locked. */
+template <class Body>
+DplResult withSide(const char* function, DplContext context, Body&& body) {
+    return guarded(function, [&]() -> Status {
+        DPL_TRY(const auto found, contextOf(context));
+        std::lock_guard lock(found->mutex);
+        DPL_TRY(VulkanSide * side, sideOf(*found));
+        return body(side->backend, *found);
+    });
 }
 
 }  // namespace
@@ -250,12 +259,8 @@ extern "C" DplResult dplCreateVulkanComposer(DplContext context, const DplVulkan
 }
 
 extern "C" DplResult dplDestroyVulkanComposer(DplContext context, uint32_t composer) {
-    return guarded("dplDestroyVulkanComposer", [&]() -> Status {
-        DPL_TRY(const auto found, contextOf(context));
-        std::lock_guard lock(found->mutex);
-        DPL_TRY(VulkanSide * side, sideOf(*found));
-        return side->backend.destroyComposer({composer});
-    });
+    return withSide("dplDestroyVulkanComposer", context,
+                    [&](vk::VulkanBackend& backend, const Context&) -> Status { return backend.destroyComposer({composer}); });
 }
 
 extern "C" DplResult dplVulkanPrepare(DplContext context, VkCommandBuffer commands, uint32_t slot, const DplAvatar* avatars,
@@ -265,7 +270,7 @@ extern "C" DplResult dplVulkanPrepare(DplContext context, VkCommandBuffer comman
         DPL_TRY(const auto set, together(avatars, avatarCount));
         const auto begin = [&](vk::VulkanBackend&) -> Result<AppCommands> { return AppCommands{commands}; };
         const auto end = [](vk::VulkanBackend&) { return Status(); };
-        return prepare(context, slot, set, views, viewCount, depths, begin, end);
+        return prepare({context, slot, set, views, viewCount}, depths, begin, end);
     });
 }
 
@@ -284,12 +289,8 @@ extern "C" DplResult dplCreateVulkanTarget(DplContext context, const DplVulkanTa
 }
 
 extern "C" DplResult dplDestroyVulkanTarget(DplContext context, uint32_t target) {
-    return guarded("dplDestroyVulkanTarget", [&]() -> Status {
-        DPL_TRY(const auto found, contextOf(context));
-        std::lock_guard lock(found->mutex);
-        DPL_TRY(VulkanSide * side, sideOf(*found));
-        return side->backend.destroyAppTarget({target});
-    });
+    return withSide("dplDestroyVulkanTarget", context,
+                    [&](vk::VulkanBackend& backend, const Context&) -> Status { return backend.destroyAppTarget({target}); });
 }
 
 extern "C" DplResult dplVulkanSubmit(DplContext context, uint32_t target, uint32_t slot, const DplAvatar* avatars, uint32_t avatarCount,
@@ -301,50 +302,35 @@ extern "C" DplResult dplVulkanSubmit(DplContext context, uint32_t target, uint32
         DPL_TRY(const auto set, together(avatars, avatarCount));
         const auto begin = [&](vk::VulkanBackend& backend) { return backend.beginSubmission({target}, slot, viewCount); };
         const auto end = [&](vk::VulkanBackend& backend) { return backend.submitTo({target}, slot, {given.x, given.y}, submission); };
-        return prepare(context, slot, set, views, viewCount, depths, begin, end);
+        return prepare({context, slot, set, views, viewCount}, depths, begin, end);
     });
 }
 
 extern "C" DplResult dplVulkanUpload(DplContext context, VkCommandBuffer commands, uint32_t slot) {
-    return guarded("dplVulkanUpload", [&]() -> Status {
+    return withSide("dplVulkanUpload", context, [&](vk::VulkanBackend& backend, const Context& locked) -> Status {
         if (!commands) return fail(Code::InvalidArgument, "commands is NULL");
-        DPL_TRY(const auto found, contextOf(context));
-        std::lock_guard lock(found->mutex);
-        DPL_TRY(VulkanSide * side, sideOf(*found));
-        DPL_RETURN_IF_ERROR(side->backend.takeSlot(slot));
-        DPL_RETURN_IF_ERROR(checkUsable(*found));
-        return side->backend.encodeCopies(slot, {commands}, /*endsSlot=*/true);
+        return encodeUploads(locked, backend, slot, {commands});
     });
 }
 
 extern "C" DplResult dplVulkanDropSlot(DplContext context, uint32_t slot) {
-    return guarded("dplVulkanDropSlot", [&]() -> Status {
-        DPL_TRY(const auto found, contextOf(context));
-        std::lock_guard lock(found->mutex);
-        DPL_TRY(VulkanSide * side, sideOf(*found));
-        return side->backend.dropSlot(slot);
-    });
+    return withSide("dplVulkanDropSlot", context,
+                    [&](vk::VulkanBackend& backend, const Context&) -> Status { return backend.dropSlot(slot); });
 }
 
 extern "C" DplResult dplVulkanCompose(DplContext context, uint32_t composer, VkCommandBuffer commands, uint32_t slot, uint32_t view,
                                       int32_t x, int32_t y) {
-    return guarded("dplVulkanCompose", [&]() -> Status {
+    return withSide("dplVulkanCompose", context, [&](vk::VulkanBackend& backend, const Context&) -> Status {
         if (!commands) return fail(Code::InvalidArgument, "commands is NULL");
-        DPL_TRY(const auto found, contextOf(context));
-        std::lock_guard lock(found->mutex);
-        DPL_TRY(VulkanSide * side, sideOf(*found));
-        return side->backend.compose({composer}, slot, view, {x, y}, {commands});
+        return backend.compose({composer}, slot, view, {x, y}, {commands});
     });
 }
 
 extern "C" DplResult dplVulkanComposeDepth(DplContext context, uint32_t composer, VkCommandBuffer commands, uint32_t slot, uint32_t view,
                                            int32_t x, int32_t y, float scale, float offset) {
-    return guarded("dplVulkanComposeDepth", [&]() -> Status {
+    return withSide("dplVulkanComposeDepth", context, [&](vk::VulkanBackend& backend, const Context&) -> Status {
         if (!commands) return fail(Code::InvalidArgument, "commands is NULL");
         DPL_RETURN_IF_ERROR(checkProjection(scale, offset));
-        DPL_TRY(const auto found, contextOf(context));
-        std::lock_guard lock(found->mutex);
-        DPL_TRY(VulkanSide * side, sideOf(*found));
-        return side->backend.composeDepth({composer}, slot, view, {x, y}, scale, offset, {commands});
+        return backend.composeDepth({composer}, slot, view, {x, y}, {scale, offset}, {commands});
     });
 }

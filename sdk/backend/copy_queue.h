@@ -10,15 +10,14 @@
 
 namespace dpl {
 
-/** Copies that have not run, in their order. Buffer: a backend's handle, whose default is none. The commands of an app carry them in its
- *  slots; on a device of the backend's own the front one is submitted by itself. */
-template <class Buffer>
+/** Copies that have not run, in their order. The commands of an app carry them in its slots; on a device of the backend's own the front
+ *  one is submitted by itself. */
 class CopyQueue {
 public:
     static constexpr uint32_t kNoSlot = UINT32_MAX;
     struct Copy {
         uint64_t number = 0;
-        Buffer from{}, to{};
+        BufferId from, to;
         uint64_t fromOffset = 0, toOffset = 0, bytes = 0;
         bool running = false;     // submitted, or encoded with `slot`
         uint32_t slot = kNoSlot;  // of an app
@@ -29,7 +28,7 @@ public:
         return bytes > 0 && offset % 4 == 0 && offset <= bufferBytes && bytes <= bufferBytes - offset;
     }
     /** Returns the number of the copy. */
-    uint64_t add(Buffer from, uint64_t fromOffset, Buffer to, uint64_t toOffset, uint64_t bytes) {
+    uint64_t add(BufferId from, uint64_t fromOffset, BufferId to, uint64_t toOffset, uint64_t bytes) {
         copies_.push_back({++last_, from, to, fromOffset, toOffset, bytes});
         return last_;
     }
@@ -69,9 +68,9 @@ public:
         for (Copy& copy : copies_)
             if (copy.slot == slot) copy.running = false;
     }
-    static bool uses(const Copy& copy, Buffer buffer) { return copy.from == buffer || copy.to == buffer; }
+    static bool uses(const Copy& copy, BufferId buffer) { return copy.from == buffer || copy.to == buffer; }
     /** Forgets the copies from or to a buffer that is about to go. An app's commands may still have them. */
-    void drop(Buffer buffer) {
+    void drop(BufferId buffer) {
         std::erase_if(copies_, [&](const Copy& c) { return uses(c, buffer); });
     }
 

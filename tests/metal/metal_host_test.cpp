@@ -379,11 +379,11 @@ TEST(MetalHost, composeOrdersTheAppsEncoderBehindPrepareAndSetsAllThatItNeeds) {
     RecordingSeam::Record mine;
     RecordingSeam seam(mine);
     RenderEncoderRef encoder{seam.newFence().object};
-    EXPECT_FALSE(b.backend->compose(layered, 0, 0, 0, 0, encoder)) << "not prepared";
+    EXPECT_FALSE(b.backend->compose(layered, 0, 0, {0, 0}, {encoder.object})) << "not prepared";
     const LayerPlace places[] = {{target, 0, {}, b.counts}, {target, 1, {}, b.counts}};
     ASSERT_TRUE(b.backend->setLayers(0, places));
     b.record.calls.clear();
-    ASSERT_TRUE(b.backend->compose(layered, 0, 0, -3, 5, encoder));
+    ASSERT_TRUE(b.backend->compose(layered, 0, 0, {-3, 5}, {encoder.object}));
     EXPECT_EQ(b.record.count("draw 3 x 2"), 1u) << "one draw, an instance for each layer\n" << b.all();
     b.placeOf("vertex bytes 24 (8) 0 2");
     b.placeOf("fragment bytes 24 (8) 0 2");
@@ -395,16 +395,16 @@ TEST(MetalHost, composeOrdersTheAppsEncoderBehindPrepareAndSetsAllThatItNeeds) {
     EXPECT_LT(b.placeOf("wait fence written before 2"), b.placeOf("draw 3 x 2"));
     EXPECT_LT(b.placeOf("draw 3 x 2"), b.placeOf("update fence composed 0 after 2"));
     b.record.calls.clear();
-    ASSERT_TRUE(b.backend->composeDepth(layered, 0, 0, 0, 0, 0, 0.1f, encoder));
+    ASSERT_TRUE(b.backend->composeDepth(layered, 0, 0, {}, {0, 0.1f}, {encoder.object}));
     b.placeOf("depth stencil nearer");
     b.placeOf("fragment texture 3 = depth sums");
     b.placeOf("update fence composed 1 after 2");
     b.record.calls.clear();
-    ASSERT_TRUE(b.backend->compose(single, 0, 1, 0, 0, encoder));
+    ASSERT_TRUE(b.backend->compose(single, 0, 1, {0, 0}, {encoder.object}));
     b.placeOf("draw 3 x 1");
     EXPECT_EQ(b.record.count("vertex bytes"), 0u);
-    EXPECT_FALSE(b.backend->compose(single, 0, 2, 0, 0, encoder)) << "there are two views";
-    EXPECT_FALSE(b.backend->composeDepth(single, 0, 0, 0, 0, 0, 0.1f, encoder)) << "it writes no depth";
+    EXPECT_FALSE(b.backend->compose(single, 0, 2, {0, 0}, {encoder.object})) << "there are two views";
+    EXPECT_FALSE(b.backend->composeDepth(single, 0, 0, {}, {0, 0.1f}, {encoder.object})) << "it writes no depth";
     b.record.calls.clear();
     const FrameId next = b.frame(b.filled(), FrameRun::Encoded);
     ASSERT_TRUE(b.backend->takeSlot(1));
@@ -412,7 +412,7 @@ TEST(MetalHost, composeOrdersTheAppsEncoderBehindPrepareAndSetsAllThatItNeeds) {
     for (const char* fence : {"wait fence composed 0", "wait fence composed 1", "wait fence composed 2"})
         EXPECT_EQ(b.record.count(fence), 1u) << "the next frame begins behind each compose";
     b.record.calls.clear();
-    ASSERT_TRUE(b.backend->compose(single, 0, 1, 0, 0, encoder));
+    ASSERT_TRUE(b.backend->compose(single, 0, 1, {0, 0}, {encoder.object}));
     b.placeOf("update fence composed 0 after 2");
     EXPECT_TRUE(b.backend->dropSlot(1));
     seam.release(encoder);

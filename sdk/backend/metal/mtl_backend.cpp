@@ -32,7 +32,12 @@ DeviceInfo infoOf(const Seam& seam) {
 }  // namespace
 
 MetalBackend::MetalBackend(std::unique_ptr<Seam> seam, ShaderPack pack, bool lent)
-    : seam_(std::move(seam)), pack_(std::move(pack)), info_(infoOf(*seam_)), lent_(lent) {
+    : SlottedBackend(
+          {"wait for the completion handler of that command buffer before, or call dplMetalDropSlot if it will never run", "DplMetalPass"}),
+      seam_(std::move(seam)),
+      pack_(std::move(pack)),
+      info_(infoOf(*seam_)),
+      lent_(lent) {
     info_.identity += formatText("-{}", pack_.contentHash);
     memoryless_ = seam_->supportsFamily(GpuFamily::Apple4);
 }
@@ -51,7 +56,7 @@ MetalBackend::~MetalBackend() {
     for (auto& [id, frame] : frames_) freeFrame(frame);  // waits; an app that lends its device waits for its own commands
     if (copyCommands_) seam_->wait(copyCommands_);
     seam_->release(copyCommands_);
-    for (const Retired& retired : retired_) seam_->release(retired.object);
+    retired_.forEach([&](void* object) { seam_->release(object); });
     for (CommandsRef& commands : slotCommands_) seam_->release(commands);
     for (CommandsRef& commands : submissions_) seam_->release(commands);
     for (auto& [id, composer] : composers_) seam_->release(composer.pipeline), seam_->release(composer.depthPipeline);

@@ -1,20 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 // Implements backend.h with Metal, over the seam (docs/adr on Metal says how it orders commands). It begins and ends in mtl_backend.cpp.
-// Buffers and targets are in mtl_resources.cpp, pipelines in mtl_pipelines.cpp, frames in mtl_frames.cpp, slots of an app in mtl_slots.cpp,
-// uploads between frames in mtl_copies.cpp, drawing in an app's pass in mtl_compose.cpp, command buffers of its own for that in
-// mtl_submit.cpp.
+// Buffers and targets are in mtl_resources.cpp, pipelines in mtl_pipelines.cpp, frames in mtl_frames.cpp, slots of an app and uploads
+// between frames in mtl_slots.cpp, drawing in an app's pass in mtl_compose.cpp, command buffers of its own for that in mtl_submit.cpp.
 #pragma once
 
-#include <algorithm>
 #include <array>
 #include <map>
 
-#include "sdk/backend/app_pass.h"
-#include "sdk/backend/copy_queue.h"
-#include "sdk/backend/frame_check.h"
 #include "sdk/backend/metal/mtl_seam.h"
 #include "sdk/backend/shader_pack.h"
-#include "shaders/shared/frame.h"
+#include "sdk/backend/slotted_backend.h"
 
 namespace dpl::mtl {
 
@@ -70,25 +65,23 @@ struct AppPass {
     PictureDepth written = PictureDepth::None;  // by composeDepth()
 };
 
-/** The depth texture of an app behind one view. Stored depth = scale + offset / z with view z in metres. */
+/** The depth texture of an app behind one view. */
 struct SceneTexture {
     TextureRef texture;
-    uint32_t slice = 0;
-    int32_t x = 0, y = 0;  // of the view's top left pixel in the texture
-    float scale = 0, offset = 0;
+    ScenePlace place;  // layer: the slice
 };
 
 /** What a submission draws over, waits for and signals. Events and the drawable may be none. */
 struct AppSubmission {
     std::array<TextureRef, gpu::kMaxViews> textures;  // one for each view, or one array for all
     uint32_t textureCount = 0;
-    int32_t x = 0, y = 0;  // of the picture in the textures
+    PicturePlace place;  // in the textures
     EventRef waitEvent, signalEvent;
     uint64_t waitValue = 0, signalValue = 0;
     DrawableRef drawable;
 };
 
-class MetalBackend final : public Backend, private ResourceView {
+class MetalBackend final : public SlottedBackend {
 public:
     MetalBackend(std::unique_ptr<Seam> seam, ShaderPack pack, bool lent);
     ~MetalBackend() override;
@@ -99,8 +92,6 @@ public:
     Result<BufferId> createBuffer(const BufferDesc& desc) override;
     void destroyBuffer(BufferId buffer) override;
     Status write(BufferId buffer, uint64_t offset, std::span<const std::byte> bytes) override;
-    Result<uint64_t> queueCopy(BufferId from, uint64_t fromOffset, BufferId to, uint64_t toOffset, uint64_t bytes) override;
-    Result<bool> hasRun(uint64_t copy) override;
     std::span<std::byte> mapped(BufferId buffer) override;
     Result<PipelineId> computePipeline(std::string_view shader) override;
     Result<PipelineId> drawPipeline(const DrawPipelineDesc& desc) override;
@@ -117,24 +108,12 @@ public:
     uint64_t residentBytes() const override;
     Status encode(FrameId frame, uint32_t slot, AppCommands commands) override;
 
-    // For apps that lend their device. These mean what the functions of the same names in sdk/backend/vulkan/vk_backend.h mean. None of
-    // them allocates or waits, except those that create.
-    Status encodeCopies(uint32_t slot, AppCommands commands, bool endsSlot);
-    /** Device: commands with the slot failed on the GPU. Then the slot is free, and unless lost(), it may be taken again. */
-    Status takeSlot(uint32_t slot);
-    Status dropSlot(uint32_t slot);
-    void numberAfter(const MetalBackend& other) { lastId_ = std::max(lastId_, other.lastId_); }
-    Status setLayers(uint32_t slot, std::span<const LayerPlace> places);
+    // mtl_compose.cpp: for apps that lend their device.
     Result<ComposerId> createComposer(const AppPass& pass);
-    Status destroyComposer(ComposerId composer);
-    uint32_t depthsWritten() const;
     /** Whether readScene() can read the texture of a view. */
     Status checkScene(uint32_t view, const SceneTexture& from) const;
-    Status readScene(uint32_t slot, uint32_t view, uint32_t viewOfFrame, uint32_t widthPx, uint32_t heightPx, const SceneTexture& from,
-                     BufferId scene, AppCommands commands);
-    Status compose(ComposerId composer, uint32_t slot, uint32_t view, int32_t x, int32_t y, RenderEncoderRef encoder);
-    Status composeDepth(ComposerId composer, uint32_t slot, uint32_t view, int32_t x, int32_t y, float scale, float offset,
-                        RenderEncoderRef encoder);
+    /** To be called before encode() of the frame. Allocates and waits for nothing. */
+    Status readScene(const SceneRead& read, const SceneTexture& from);
 
     // mtl_submit.cpp
     /** A new command buffer for a slot that was taken. viewCount: of the frame to encode. */
@@ -214,51 +193,41 @@ private:
     void freeFrame(Frame& frame);
 
     // mtl_slots.cpp
-    Status markSlot(uint32_t slot, CommandsRef commands);
-    void freeSlot(uint32_t slot);
+    bool lent() const override { return lent_; }
+    void writeMark(uint32_t slot, uint64_t mark, AppCommands commands) override;
+    Result<bool> slotEnded(uint32_t slot, uint64_t mark) override;
+    bool slotHasRun(uint32_t slot, uint64_t mark) const override;
+    void slotIsFree(uint32_t slot, bool ran) override;
+    void freeRetired(uint64_t oldest) override;
+    Status encodeCopy(const CopyQueue::Copy& copy, AppCommands commands) override;
+    Status encodeCopy(CommandsRef commands, BufferRef from, uint64_t fromOffset, BufferRef to, uint64_t toOffset, uint64_t bytes);
+    void setWritten(BufferId id) override { buffers_.at(id.value).written = true; }
+    Status submitCopy(const CopyQueue::Copy& copy) override;
+    Result<bool> submittedCopyHasRun(CopyQueue::Copy& copy) override;
+    void waitForCopy() override;
     template <class Tag>
     void retire(Ref<Tag>& object, uint64_t born) {
-        if (object) retire(object.object, born);
+        if (object) retired_.retire(object.object, born, encoded(), [&](void* unneeded) { seam_->release(unneeded); });
         object = {};
     }
-    void retire(void* object, uint64_t born);
-    void freeRetired();
-
-    // mtl_copies.cpp
-    using Copies = CopyQueue<BufferRef>;
-    Status submitNextCopy();
-    Status encodeCopy(CommandsRef commands, const Copies::Copy& copy);
-    void dropCopies(BufferRef buffer);
 
     // mtl_compose.cpp
     struct Composer {
         AppPass pass;
         RenderPipelineRef pipeline, depthPipeline;
-        bool linear = false;  // the pass blends linear light
     };
-    struct LayerSlot {  // what setLayers() said
-        struct View {
-            TextureRef drawn, sums;
-            BufferRef tiled, counts, mesh;
-            gpu::ComposePush push{};
-        };
-        View views[gpu::kMaxViews];
-        uint32_t viewCount = 0;  // 0: nothing yet
-        uint32_t depths = 0;     // depthsWritten() of takeSlot()
-        bool mesh = false;       // the pictures have a depth of the mesh
+    struct Layer {  // of a view; what setLayers() said
+        TextureRef drawn, sums;
+        BufferRef tiled, counts, mesh;
     };
-    struct Composed {
-        const Composer& composer;
-        const LayerSlot& layers;
-        uint32_t firstView, viewCount;  // that the draw fills
-    };
+    bool viewsShareImage(const TargetDesc&) const override { return true; }
+    void setLayer(uint32_t slot, uint32_t view, const LayerPlace& place) override;
+    Status drawPicture(const PictureDraw& what, PassCommands pass) override;
+    void retireComposer(ComposerId composer) override;
     Status makeComposing();
     Result<bool> blendsLight(const AppPass& pass) const;
     Status makePipelines(Composer& composer);
-    Result<Composed> composedOf(ComposerId composer, uint32_t slot, uint32_t view) const;
     Result<FenceRef> nextFence();
-    Status drawPicture(const Composed& composed, RenderPipelineRef pipeline, DepthStencilRef state, int32_t x, int32_t y,
-                       const gpu::ComposePush& more, RenderEncoderRef encoder);
 
     std::unique_ptr<Seam> seam_;
     ShaderPack pack_;
@@ -277,27 +246,17 @@ private:
     std::map<uint32_t, Target> targets_;
     std::map<uint32_t, Frame> frames_;
     std::vector<Pipeline> pipelines_;  // PipelineId::value is the index + 1
-    uint32_t lastId_ = 0;
-    Copies copies_;
-    CommandsRef copyCommands_;  // of the copy that is committed; on a device of the backend's own
+    CommandsRef copyCommands_;         // of the copy that is committed; on a device of the backend's own
 
     // Of encoded frames.
-    struct Retired {
-        uint64_t encoded = 0;  // number of the last frame that was encoded before
-        void* object = nullptr;
-    };
-    std::vector<Retired> retired_;
-    uint64_t encoded_ = 0;                               // frames so far
-    std::array<uint64_t, kAppSlots> lastEncoded_{};      // number of the last frame in each slot; 0: none
+    RetiredObjects<void*> retired_;
     EventRef marks_;                                     // signalled behind the commands of each slot
-    uint64_t lastMark_ = 0;                              // its last value
-    std::array<uint64_t, kAppSlots> awaited_{};          // the slot's last mark, which takeSlot() has not seen; 0: none
     std::array<CommandsRef, kAppSlots> slotCommands_{};  // that were encoded last with the slot, retained to see whether they failed
     std::map<uint32_t, Composer> composers_;
-    PipelineId readScene_[2][2];             // [without layers][four samples]
-    DepthStencilRef keepDepth_, nearer_[2];  // compose(); composeDepth() where less is nearer, where greater is
-    std::array<LayerSlot, kAppSlots> layerSlots_;
-    std::array<CommandsRef, kAppSlots> submissions_{};  // begun and not committed
+    PipelineId readScene_[2][2];                                       // [without layers][four samples]
+    DepthStencilRef keepDepth_, nearer_[2];                            // compose(); composeDepth() where less is nearer, where greater is
+    std::array<std::array<Layer, gpu::kMaxViews>, kAppSlots> layers_;  // by slot and view
+    std::array<CommandsRef, kAppSlots> submissions_{};                 // begun and not committed
 };
 
 /** On an app's id<MTLDevice> and id<MTLCommandQueue>. Errors as lendSeam() and createMetalBackend(). */

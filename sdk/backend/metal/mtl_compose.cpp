@@ -55,27 +55,25 @@ Status MetalBackend::checkScene(uint32_t view, const SceneTexture& from) const {
         return fail(Code::InvalidArgument,
                     "the texture of depth {} cannot be read; give it MTLTextureUsageShaderRead and another storage mode than memoryless",
                     view);
-    if ((!isArray(facts.type) && !isFlat(facts.type)) || (facts.samples != 1 && facts.samples != 4) || from.slice >= facts.layers)
+    if ((!isArray(facts.type) && !isFlat(facts.type)) || (facts.samples != 1 && facts.samples != 4) || from.place.layer >= facts.layers)
         return fail(Code::InvalidArgument,
                     "the texture of depth {} has MTLTextureType {}, {} samples and {} slices, of which slice {} is wanted; 2D textures and "
                     "arrays of them with 1 or 4 samples are possible",
-                    view, uint32_t(facts.type), facts.samples, facts.layers, from.slice);
+                    view, uint32_t(facts.type), facts.samples, facts.layers, from.place.layer);
     return {};
 }
 
-Status MetalBackend::readScene(uint32_t, uint32_t, uint32_t viewOfFrame, uint32_t widthPx, uint32_t heightPx, const SceneTexture& from,
-                               BufferId scene, AppCommands commands) {
+Status MetalBackend::readScene(const SceneRead& read, const SceneTexture& from) {
     const TextureFacts facts = seam_->factsOf(from.texture);
-    Recorder recorder(*this, {commands.handle});
+    Recorder recorder(*this, {read.commands.handle});
     DPL_TRY(const ComputeEncoderRef encoder, recorder.compute());
     const Pipeline& pipeline = at(readScene_[isFlat(facts.type)][facts.samples == 4]);
-    const gpu::ScenePush push{widthPx,    heightPx,   viewOfFrame * widthPx * heightPx, from.slice, float(from.x), float(from.y),
-                              from.scale, from.offset};
+    const gpu::ScenePush push = scenePush(read, from.place);
     seam_->setPipeline(encoder, pipeline.compute);
     seam_->setTexture(encoder, from.texture, 0);
-    seam_->setBuffer(encoder, buffers_.at(scene.value).buffer, 0, 1);
+    seam_->setBuffer(encoder, buffers_.at(read.scene.value).buffer, 0, 1);
     seam_->setBytes(encoder, &push, sizeof push, kPushIndex);
-    seam_->dispatch(encoder, {(widthPx + gpu::kSceneGroup - 1) / gpu::kSceneGroup, heightPx}, {pipeline.shader->workgroup[0]});
+    seam_->dispatch(encoder, {(read.widthPx + gpu::kSceneGroup - 1) / gpu::kSceneGroup, read.heightPx}, {pipeline.shader->workgroup[0]});
     return {};
 }
 
@@ -101,15 +99,16 @@ Result<bool> MetalBackend::blendsLight(const AppPass& pass) const {
 }
 
 Result<ComposerId> MetalBackend::createComposer(const AppPass& pass) {
+    DPL_TRY(const bool linear, blendsLight(pass));
     Composer composer;
     composer.pass = pass;
-    DPL_TRY(composer.linear, blendsLight(pass));
     if (const Status made = makePipelines(composer); !made) {
         seam_->release(composer.pipeline);
         return made.error();
     }
-    composers_.emplace(++lastId_, composer);
-    return ComposerId{lastId_};
+    const ComposerId id = addComposer({linear, pass.layers, pass.written});
+    composers_.emplace(id.value, composer);
+    return id;
 }
 
 Status MetalBackend::makePipelines(Composer& composer) {
@@ -132,52 +131,19 @@ Status MetalBackend::makePipelines(Composer& composer) {
     return {};
 }
 
-uint32_t MetalBackend::depthsWritten() const {
-    uint32_t depths = 0;
-    for (const auto& [id, composer] : composers_) depths |= uint32_t(composer.pass.written);
-    return depths;
-}
-
-Status MetalBackend::destroyComposer(ComposerId id) {
+void MetalBackend::retireComposer(ComposerId id) {
     const auto it = composers_.find(id.value);
-    if (it == composers_.end()) return fail(Code::NotFound, "there is no composer {}", id.value);
     retire(it->second.pipeline, 0);  // a slot that was encoded before may be composed with it
     retire(it->second.depthPipeline, 0);
     composers_.erase(it);
-    return {};
 }
 
-Status MetalBackend::setLayers(uint32_t slot, std::span<const LayerPlace> places) {
-    if (slot >= kAppSlots || places.empty() || places.size() > gpu::kMaxViews)
-        return fail(Code::InvalidArgument, "slot {} with {} views does not exist", slot, places.size());
-    LayerSlot& layers = layerSlots_[slot];
-    for (uint32_t v = 0; v < places.size(); ++v) {
-        const LayerPlace& place = places[v];
-        const Target& target = targets_.at(place.target.value);
-        const BufferRef counts = buffers_.at(place.counts.value).buffer;
-        const auto orCounts = [&](BufferId id) { return id ? buffers_.at(id.value).buffer : counts; };  // for what is not read
-        layers.views[v] = {target.colour,
-                           target.depth ? target.depth : target.colour,
-                           orCounts(place.tilePixels),
-                           counts,
-                           orCounts(place.meshDepth),
-                           composePush(places, v, target.desc, /*shared=*/true, info_.halfDepth)};
-    }
-    layers.mesh = places[0].meshDepth.value != 0;
-    layers.viewCount = uint32_t(places.size());
-    return {};
-}
-
-Result<MetalBackend::Composed> MetalBackend::composedOf(ComposerId id, uint32_t slot, uint32_t view) const {
-    const auto it = composers_.find(id.value);
-    if (it == composers_.end()) return fail(Code::NotFound, "there is no composer {}", id.value);
-    if (slot >= kAppSlots || layerSlots_[slot].viewCount == 0) return fail(Code::InvalidArgument, "slot {} was not prepared", slot);
-    const uint32_t layers = it->second.pass.layers, prepared = layerSlots_[slot].viewCount;
-    const Composed composed{it->second, layerSlots_[slot], layers ? 0 : view, layers ? layers : 1};
-    if (composed.viewCount > prepared || composed.firstView > prepared - composed.viewCount)
-        return fail(Code::InvalidArgument, "{} views are wanted, but slot {} was prepared with {}",
-                    uint64_t(composed.firstView) + composed.viewCount, slot, prepared);
-    return composed;
+void MetalBackend::setLayer(uint32_t slot, uint32_t view, const LayerPlace& place) {
+    const Target& target = targets_.at(place.target.value);
+    const BufferRef counts = buffers_.at(place.counts.value).buffer;
+    const auto orCounts = [&](BufferId id) { return id ? buffers_.at(id.value).buffer : counts; };  // for what is not read
+    layers_[slot][view] = {target.colour, target.depth ? target.depth : target.colour, orCounts(place.tilePixels), counts,
+                           orCounts(place.meshDepth)};
 }
 
 /** The fence of the next compose of a frame. Made when a frame composes more often than those before. */
@@ -190,63 +156,36 @@ Result<FenceRef> MetalBackend::nextFence() {
     return composed_[composes_++];
 }
 
-Status MetalBackend::compose(ComposerId id, uint32_t slot, uint32_t view, int32_t x, int32_t y, RenderEncoderRef encoder) {
-    DPL_TRY(const Composed composed, composedOf(id, slot, view));
-    gpu::ComposePush push{};
-    push.linear = composed.composer.linear ? 1 : 0;
-    return drawPicture(composed, composed.composer.pipeline, keepDepth_, x, y, push, encoder);
-}
-
-Status MetalBackend::composeDepth(ComposerId id, uint32_t slot, uint32_t view, int32_t x, int32_t y, float scale, float offset,
-                                  RenderEncoderRef encoder) {
-    DPL_TRY(const Composed composed, composedOf(id, slot, view));
-    const PictureDepth written = composed.composer.pass.written;
-    DPL_RETURN_IF_ERROR(checkDepth(id, written, slot, composed.layers.depths, "DplMetalPass"));
-    const bool mesh = written == PictureDepth::Mesh;
-    if (mesh && !composed.layers.mesh) return {};
-    gpu::ComposePush push{};
-    push.mesh = mesh ? 1 : 0;
-    push.scale = scale, push.offset = offset;
-    return drawPicture(composed, composed.composer.depthPipeline, nearer_[offset > 0], x, y, push, encoder);
-}
-
-/** more: what depends on the pipeline. */
-Status MetalBackend::drawPicture(const Composed& composed, RenderPipelineRef pipeline, DepthStencilRef state, int32_t x, int32_t y,
-                                 const gpu::ComposePush& more, RenderEncoderRef encoder) {
+Status MetalBackend::drawPicture(const PictureDraw& what, PassCommands pass) {
     DPL_TRY(const FenceRef fence, nextFence());
-    const bool depth = pipeline == composed.composer.depthPipeline;
-    const gpu::ComposePush& any = composed.layers.views[0].push;
+    const RenderEncoderRef encoder{pass.handle};
+    const Composer& composer = composers_.at(what.composer.value);
+    const gpu::ComposePush& any = what.push[0];
     seam_->waitFence(encoder, written_, kStageFragment);
-    seam_->setPipeline(encoder, pipeline);
-    seam_->setDepthStencil(encoder, state);
+    seam_->setPipeline(encoder, what.depth ? composer.depthPipeline : composer.pipeline);
+    seam_->setDepthStencil(encoder, what.depth ? nearer_[what.greaterIsNearer] : keepDepth_);
     seam_->setCullNone(encoder);
     seam_->setFill(encoder);
     seam_->setNoDepthBias(encoder);
     seam_->setOneAmplification(encoder);
-    seam_->setViewport(encoder, x, y, any.widthPx, any.heightPx);  // clips the triangle to the picture
-    const uint32_t viewMask[2] = {0, composed.viewCount};
-    if (composed.composer.pass.layers) {
+    seam_->setViewport(encoder, what.place.x, what.place.y, any.widthPx, any.heightPx);  // clips the triangle to the picture
+    const uint32_t viewMask[2] = {0, what.layers};
+    if (what.layers) {
         seam_->setVertexBytes(encoder, viewMask, sizeof viewMask, kViewMaskIndex);
         seam_->setFragmentBytes(encoder, viewMask, sizeof viewMask, kViewMaskIndex);
     }
-    uint32_t done = 0;
-    for (uint32_t view = composed.firstView; view < composed.firstView + composed.viewCount; ++view) {
-        if (done >> view & 1) continue;
-        const LayerSlot::View& from = composed.layers.views[view];
-        gpu::ComposePush push = from.push;
-        done |= push.views;
-        push.placeX = float(x), push.placeY = float(y);
-        push.view = view;
-        push.linear = more.linear, push.mesh = more.mesh, push.scale = more.scale, push.offset = more.offset;
+    for (uint32_t i = 0; i < what.draws; ++i) {
+        const gpu::ComposePush& push = what.push[i];
+        const Layer& from = layers_[what.slot][push.view];
         seam_->setFragmentTexture(encoder, from.drawn, kDrawn);
         seam_->setFragmentBuffer(encoder, from.tiled, 0, kTiled);
         seam_->setFragmentBuffer(encoder, from.counts, 0, kCounts);
-        if (depth) {
+        if (what.depth) {
             seam_->setFragmentTexture(encoder, from.sums, kSums);
             seam_->setFragmentBuffer(encoder, from.mesh, 0, kMesh);
         }
         seam_->setFragmentBytes(encoder, &push, sizeof push, kPushIndex);
-        seam_->draw(encoder, PrimitiveType::Triangle, 3, composed.viewCount);
+        seam_->draw(encoder, PrimitiveType::Triangle, 3, std::max(what.layers, 1u));
     }
     seam_->updateFence(encoder, fence, kStageFragment);
     return {};

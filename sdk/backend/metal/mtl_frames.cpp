@@ -177,7 +177,7 @@ Result<FrameId> MetalBackend::createFrame(std::vector<Step> steps, FrameRun run)
     for (const BufferId id : writtenBy(steps)) buffers_.at(id.value).written = true;
     Frame frame;
     frame.run = run;
-    frame.born = encoded_;
+    frame.born = encoded();
     frame.steps.reserve(steps.size());
     Hazards hazards;
     for (Step& step : steps) {
@@ -185,8 +185,9 @@ Result<FrameId> MetalBackend::createFrame(std::vector<Step> steps, FrameRun run)
         const LabelRef label = seam_->newLabel(stepLabel(step));
         frame.steps.push_back({std::move(step), barrier, label});
     }
-    frames_.emplace(++lastId_, std::move(frame));
-    return FrameId{lastId_};
+    const FrameId id{newId()};
+    frames_.emplace(id.value, std::move(frame));
+    return id;
 }
 
 void MetalBackend::freeFrame(Frame& frame) {

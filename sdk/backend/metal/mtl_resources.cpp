@@ -25,15 +25,16 @@ Result<BufferId> MetalBackend::createBuffer(const BufferDesc& desc) {
     Buffer b;
     b.desc = desc;
     DPL_RETURN_IF_ERROR(makeBuffer(b));
-    b.born = encoded_;
-    buffers_.emplace(++lastId_, std::move(b));
-    return BufferId{lastId_};
+    b.born = encoded();
+    const BufferId id{newId()};
+    buffers_.emplace(id.value, std::move(b));
+    return id;
 }
 
 void MetalBackend::destroyBuffer(BufferId id) {
     const auto it = buffers_.find(id.value);
     if (it == buffers_.end()) return;
-    dropCopies(it->second.buffer);
+    dropCopies(id);
     retire(it->second.buffer, it->second.born);
     buffers_.erase(it);
 }
@@ -52,7 +53,7 @@ Status MetalBackend::write(BufferId id, uint64_t offset, std::span<const std::by
         auto commands = newCommands();
         status = commands ? Status() : Status(commands.error());
         if (!status) break;
-        status = encodeCopy(*commands, {0, staging.buffer, it->second.buffer, 0, offset + done, part});
+        status = encodeCopy(*commands, staging.buffer, 0, it->second.buffer, offset + done, part);
         if (status) status = commitAndWait(*commands);
         seam_->release(*commands);
         done += part;
@@ -122,9 +123,10 @@ Result<TargetId> MetalBackend::createTarget(const TargetDesc& desc) {
         freeTarget(t);
         return status.error();
     }
-    t.born = encoded_;
-    targets_.emplace(++lastId_, std::move(t));
-    return TargetId{lastId_};
+    t.born = encoded();
+    const TargetId id{newId()};
+    targets_.emplace(id.value, std::move(t));
+    return id;
 }
 
 void MetalBackend::destroyTarget(TargetId id) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The slots of an app that lends its device: whether their commands have run, and what was destroyed while they may need it.
+// What Metal does for the slots of an app that lends its device, and for uploads between frames (sdk/backend/slotted_backend.h).
 #include "sdk/backend/metal/mtl_backend.h"
 
 namespace dpl::mtl {
@@ -7,84 +7,86 @@ namespace dpl::mtl {
 Status MetalBackend::encode(FrameId id, uint32_t slot, AppCommands commands) {
     const auto it = frames_.find(id.value);
     if (it == frames_.end() || it->second.run != FrameRun::Encoded) return fail(Code::InvalidArgument, "the encoded frame does not exist");
-    if (slot >= kAppSlots || !commands.handle) return fail(Code::InvalidArgument, "slot {} or its commands do not exist", slot);
+    DPL_RETURN_IF_ERROR(beginSlot(slot, commands));
     Frame& frame = it->second;
     if (frame.running) ended(frame);
-    lastEncoded_[slot] = ++encoded_;
-    freeRetired();
     DPL_RETURN_IF_ERROR(play(frame, {commands.handle}));
-    DPL_RETURN_IF_ERROR(markSlot(slot, {commands.handle}));
+    endSlot(slot, commands);
     frame.running = true;
     frame.slot = slot;
     return {};
 }
 
-/** What is encoded with a slot ends here, and takeSlot() learns that it has run. */
-Status MetalBackend::markSlot(uint32_t slot, CommandsRef commands) {
-    awaited_[slot] = ++lastMark_;
-    seam_->encodeSignal(commands, marks_, lastMark_);
-    if (slotCommands_[slot] == commands) return {};
+void MetalBackend::writeMark(uint32_t slot, uint64_t mark, AppCommands given) {
+    const CommandsRef commands{given.handle};
+    seam_->encodeSignal(commands, marks_, mark);
+    if (slotCommands_[slot] == commands) return;
     seam_->release(slotCommands_[slot]);
     seam_->retain(commands.object);
     slotCommands_[slot] = commands;
-    return {};
 }
 
-/** Forgets the commands of a slot. */
-void MetalBackend::freeSlot(uint32_t slot) {
+Result<bool> MetalBackend::slotEnded(uint32_t slot, uint64_t mark) {
+    DPL_RETURN_IF_ERROR(endOf(slotCommands_[slot]));
+    return seam_->signaledValue(marks_) >= mark;
+}
+
+bool MetalBackend::slotHasRun(uint32_t slot, uint64_t) const {
+    // Not by the mark: when the GPU refuses a command buffer, the ones behind it still run, and their marks are greater.
+    return seam_->status(slotCommands_[slot]) == CommandStatus::Completed;
+}
+
+void MetalBackend::slotIsFree(uint32_t slot, bool ran) {
     for (auto& [id, frame] : frames_)
         if (frame.run == FrameRun::Encoded && frame.running && frame.slot == slot) ended(frame);
     seam_->release(slotCommands_[slot]);
-    awaited_[slot] = 0;
-    layerSlots_[slot].viewCount = 0;  // until setLayers(): if the new frame fails, nothing of the slot can be composed
-}
-
-Status MetalBackend::takeSlot(uint32_t slot) {
-    if (slot >= kAppSlots) return fail(Code::InvalidArgument, "slot {} does not exist; there are {}", slot, kAppSlots);
-    if (slotCommands_[slot]) {
-        if (const Status ran = endOf(slotCommands_[slot]); !ran) {
-            copies_.slotIsDropped(slot);
-            freeSlot(slot);
-            return ran;
-        }
-    }
-    if (awaited_[slot] != 0 && seam_->signaledValue(marks_) < awaited_[slot])
-        return fail(Code::InvalidArgument,
-                    "slot {} is prepared again, but the GPU has not run the commands that were prepared with it; wait for the completion "
-                    "handler of that command buffer before, or call dplMetalDropSlot if it will never run",
-                    slot);
-    copies_.slotHasRun(slot);
-    freeSlot(slot);
-    layerSlots_[slot].depths = depthsWritten();
-    composes_ = 0;  // what is encoded next waits for the composes so far
-    return {};
-}
-
-Status MetalBackend::dropSlot(uint32_t slot) {
-    if (slot >= kAppSlots) return fail(Code::InvalidArgument, "slot {} does not exist; there are {}", slot, kAppSlots);
-    copies_.slotIsDropped(slot);
-    freeSlot(slot);
-    seam_->release(submissions_[slot]);
-    return {};
-}
-
-/** Releases an object once no commands of the app can need it: at once if no frame was encoded since it was created. */
-void MetalBackend::retire(void* object, uint64_t born) {
-    if (born < encoded_)
-        retired_.push_back({encoded_, object});
+    if (ran)
+        composes_ = 0;  // what is encoded next waits for the composes so far
     else
-        seam_->release(object);
+        seam_->release(submissions_[slot]);
 }
 
-/** Releases what no commands of the app can need any more. */
-void MetalBackend::freeRetired() {
-    uint64_t oldest = encoded_;  // of the frames that may still run: the last one of each slot
-    for (const uint64_t last : lastEncoded_)
-        if (last > 0) oldest = std::min(oldest, last);
-    while (!retired_.empty() && retired_.front().encoded < oldest) {
-        seam_->release(retired_.front().object);
-        retired_.erase(retired_.begin());
+void MetalBackend::freeRetired(uint64_t oldest) {
+    retired_.freeBefore(oldest, [&](void* object) { seam_->release(object); });
+}
+
+Status MetalBackend::encodeCopy(CommandsRef commands, BufferRef from, uint64_t fromOffset, BufferRef to, uint64_t toOffset,
+                                uint64_t bytes) {
+    // An encoder for each copy: one whose slot was dropped may run twice, and copies of one encoder may overlap.
+    Recorder recorder(*this, commands);
+    DPL_TRY(const BlitEncoderRef encoder, recorder.blit());
+    seam_->copyBuffer(encoder, from, fromOffset, to, toOffset, (bytes + 3) / 4 * 4);
+    return {};
+}
+
+Status MetalBackend::encodeCopy(const CopyQueue::Copy& copy, AppCommands commands) {
+    return encodeCopy({commands.handle}, buffers_.at(copy.from.value).buffer, copy.fromOffset, buffers_.at(copy.to.value).buffer,
+                      copy.toOffset, copy.bytes);
+}
+
+Status MetalBackend::submitCopy(const CopyQueue::Copy& copy) {
+    DPL_TRY(CommandsRef commands, newCommands());
+    if (const Status encoded = encodeCopy(copy, {commands.object}); !encoded) {
+        seam_->release(commands);
+        return encoded;
     }
+    seam_->commit(commands);
+    copyCommands_ = commands;
+    return {};
+}
+
+Result<bool> MetalBackend::submittedCopyHasRun(CopyQueue::Copy& copy) {
+    const Status ended = endOf(copyCommands_);
+    if (ended && seam_->status(copyCommands_) != CommandStatus::Completed) return false;
+    seam_->release(copyCommands_);
+    if (ended) return true;
+    copy.running = false;  // it is submitted again
+    return ended.error();
+}
+
+void MetalBackend::waitForCopy() {
+    seam_->wait(copyCommands_);
+    seam_->release(copyCommands_);
 }
 
 }  // namespace dpl::mtl

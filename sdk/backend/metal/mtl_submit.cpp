@@ -37,12 +37,12 @@ Status MetalBackend::submitTo(ComposerId id, uint32_t slot, const AppSubmission&
         desc.layers = pass.layers;
         RenderEncoderRef encoder = seam_->renderEncoder(commands, desc);
         if (!encoder) return fail(Code::Device, "Metal gave no render encoder for texture {}", i);
-        const Status composed = compose(id, slot, i, how.x, how.y, encoder);
+        const Status composed = compose(id, slot, i, how.place, {encoder.object});
         seam_->end(encoder);
         seam_->release(encoder);
         DPL_RETURN_IF_ERROR(composed);
     }
-    DPL_RETURN_IF_ERROR(markSlot(slot, commands));
+    markSlot(slot, {commands.object});
     if (how.signalEvent) seam_->encodeSignal(commands, how.signalEvent, how.signalValue);
     if (how.drawable) seam_->present(commands, how.drawable);
     seam_->commit(commands);

@@ -5,7 +5,11 @@
 namespace dpl::vk {
 
 VulkanBackend::VulkanBackend(std::unique_ptr<Device> device, ShaderPack pack)
-    : device_(std::move(device)), vk_(device_->vk), pack_(std::move(pack)) {}
+    : SlottedBackend(
+          {"wait for the fence of that frame before, or call dplVulkanDropSlot if the commands will never run", "DplVulkanPass"}),
+      device_(std::move(device)),
+      vk_(device_->vk),
+      pack_(std::move(pack)) {}
 
 Status VulkanBackend::start() {
     VkFenceCreateInfo fence{VK_STRUCTURE_TYPE_FENCE_CREATE_INFO};
@@ -30,8 +34,8 @@ Status VulkanBackend::start() {
 
 VulkanBackend::~VulkanBackend() {
     for (auto& [id, frame] : frames_) (void)waitFor(frame);  // an app that lends its device waits for its own commands
-    if (!device_->lent && copies_.front() && copies_.front()->running) (void)waitFor(copyFence_);
-    for (Retired& retired : retired_) free(retired);
+    if (copyRuns()) (void)waitFor(copyFence_);
+    retired_.forEach([&](Retirable& object) { free(object); });
     for (auto& [id, composer] : composers_) freeComposer(composer);
     for (auto& [id, target] : appTargets_) freeAppTarget(target);
     vk_.vkDestroyCommandPool(device_->device, submissionPool_, device_->allocator);

@@ -1,21 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
 // Implements backend.h with Vulkan. It begins and ends in vk_backend.cpp. Buffers and targets are in vk_resources.cpp, pipelines in
-// vk_pipelines.cpp, frames in vk_frames.cpp, slots of an app in vk_slots.cpp, uploads between frames in vk_copies.cpp, drawing in an app's
-// pass in vk_compose.cpp, submissions for it in vk_submit.cpp.
+// vk_pipelines.cpp, frames in vk_frames.cpp, slots of an app and uploads between frames in vk_slots.cpp, drawing in an app's pass in
+// vk_compose.cpp, submissions for it in vk_submit.cpp.
 #pragma once
 
-#include <algorithm>
 #include <array>
 #include <map>
 #include <tuple>
 #include <variant>
 
-#include "sdk/backend/app_pass.h"
-#include "sdk/backend/copy_queue.h"
-#include "sdk/backend/frame_check.h"
 #include "sdk/backend/shader_pack.h"
+#include "sdk/backend/slotted_backend.h"
 #include "sdk/backend/vulkan/vk_device.h"
-#include "shaders/shared/frame.h"
 
 namespace dpl::vk {
 
@@ -135,19 +131,15 @@ struct AppSubmission {
     VkFence fence = VK_NULL_HANDLE;
 };
 
-/** An object that was destroyed while commands of the app may need it. */
-struct Retired {
-    uint64_t encoded = 0;  // number of the last frame that was encoded before
-    std::variant<Buffer, Target, Frame, VkPipeline, AppTarget> object;
-};
+/** An object that commands of an app may need after it was destroyed. */
+using Retirable = std::variant<Buffer, Target, Frame, VkPipeline, AppTarget>;
 
-/** The depth image of an app behind one view. Stored depth = scale + offset / z with view z in metres. */
+/** The depth image of an app behind one view. */
 struct SceneImage {
     VkImageView view = VK_NULL_HANDLE;  // of the depth aspect, 2D array
     VkImageLayout layout = VK_IMAGE_LAYOUT_UNDEFINED;
-    uint32_t layer = 0, samples = 1;
-    VkOffset2D place{};  // of the view's top left pixel in the image
-    float scale = 0, offset = 0;
+    uint32_t samples = 1;
+    ScenePlace place;
 };
 
 inline VkFormat vulkanFormat(ColourFormat colour) {
@@ -159,7 +151,7 @@ inline VkFormat vulkanFormat(ColourFormat colour) {
     }
 }
 
-class VulkanBackend final : public Backend, private ResourceView {
+class VulkanBackend final : public SlottedBackend {
 public:
     VulkanBackend(std::unique_ptr<Device> device, ShaderPack pack);
     ~VulkanBackend() override;
@@ -170,8 +162,6 @@ public:
     Result<BufferId> createBuffer(const BufferDesc& desc) override;
     void destroyBuffer(BufferId buffer) override;
     Status write(BufferId buffer, uint64_t offset, std::span<const std::byte> bytes) override;
-    Result<uint64_t> queueCopy(BufferId from, uint64_t fromOffset, BufferId to, uint64_t toOffset, uint64_t bytes) override;
-    Result<bool> hasRun(uint64_t copy) override;
     std::span<std::byte> mapped(BufferId buffer) override;
     Result<PipelineId> computePipeline(std::string_view shader) override;
     Result<PipelineId> drawPipeline(const DrawPipelineDesc& desc) override;
@@ -188,38 +178,10 @@ public:
     uint64_t residentBytes() const override;
     Status encode(FrameId frame, uint32_t slot, AppCommands commands) override;
 
-    // vk_copies.cpp: for apps that lend their device.
-    /** Encodes queued copies, at most kCopiedBytesAFrame of them. To be called between takeSlot() and encode(). endsSlot: nothing is
-     * encoded after it with this slot. Allocates and waits for nothing. */
-    Status encodeCopies(uint32_t slot, AppCommands commands, bool endsSlot);
-
     // vk_compose.cpp: for apps that lend their device.
     Result<ComposerId> createComposer(const AppPass& pass);
-    /** NotFound: no such composer. Commands that use it may still run. */
-    Status destroyComposer(ComposerId composer);
-    /** To be called before encode(): the commands with the slot's earlier frames have run, so their times can be read, and nothing of the
-     * slot can be composed until setLayers(). Allocates and waits for nothing. InvalidArgument: no such slot, or the GPU has not run the
-     * commands yet; then nothing changes. Device: it was lost. */
-    Status takeSlot(uint32_t slot);
-    /** The commands with the slot's earlier frames have run, or will never run. InvalidArgument: no such slot. */
-    Status dropSlot(uint32_t slot);
-    /** Uses none of the numbers that the other backend has given away. */
-    void numberAfter(const VulkanBackend& other) { lastId_ = std::max(lastId_, other.lastId_); }
-    /** Says where the pictures of a slot lie, one place a view, all of the same size. To be called between encode() of the slot and
-     *  compose(). Allocates and waits for nothing. */
-    Status setLayers(uint32_t slot, std::span<const LayerPlace> places);
-    /** Encodes the conversion of an app's depth image into view z: widthPx · heightPx floats of `scene`, those of `viewOfFrame`. view:
-     * number of the image among those of the slot. To be called before encode() of the frame. Allocates and waits for nothing. */
-    Status readScene(uint32_t slot, uint32_t view, uint32_t viewOfFrame, uint32_t widthPx, uint32_t heightPx, const SceneImage& image,
-                     BufferId scene, AppCommands commands);
-    /** The depths that living composers write, PictureDepth combined by |. Frames that are encoded from now on must draw them. */
-    uint32_t depthsWritten() const;
-    /** Composes a view of the slot into a pass that is being recorded; with multiview, all views. place: of the picture's top left pixel in
-     *  the target of the pass. Sets pipeline, descriptor set 0, push constants, viewport and scissor. Allocates and waits for nothing. */
-    Status compose(ComposerId composer, uint32_t slot, uint32_t view, VkOffset2D place, AppCommands commands);
-    /** The same for depth: stored depth = scale + offset / z, with offset not 0. A picture without a mesh writes nothing. */
-    Status composeDepth(ComposerId composer, uint32_t slot, uint32_t view, VkOffset2D place, float scale, float offset,
-                        AppCommands commands);
+    /** To be called before encode() of the frame. Allocates and waits for nothing. */
+    Status readScene(const SceneRead& read, const SceneImage& image);
 
     // vk_submit.cpp: draws with submissions of our own on the app's device.
     /** Makes the pass, framebuffers and composer of a target. Unsupported: as createComposer(). */
@@ -230,7 +192,7 @@ public:
     Result<AppCommands> beginSubmission(AppTargetId target, uint32_t slot, uint32_t viewCount);
     /** Composes the slot into the target, and submits. To be called after setLayers(). After an error nothing was submitted. Waits for
      *  nothing but the app's lock of the queue. */
-    Status submitTo(AppTargetId target, uint32_t slot, VkOffset2D place, const AppSubmission& how);
+    Status submitTo(AppTargetId target, uint32_t slot, PicturePlace place, const AppSubmission& how);
 
 private:
     // ResourceView
@@ -280,53 +242,44 @@ private:
     double ticksMs(uint64_t from, uint64_t to) const;
     void freeFrame(Frame& frame);
     struct Recorder;
-    void markSlot(uint32_t slot, VkCommandBuffer commands);
-    void barrierBeforeCopies(VkCommandBuffer commands);
-    template <class T>
-    void retire(T&& object, uint64_t born);
-    void freeRetired();
-    void free(Retired& retired);
 
-    // vk_copies.cpp
-    using Copies = CopyQueue<VkBuffer>;
-    void record(VkCommandBuffer commands, const Copies::Copy& copy);
-    Status submitNextCopy();
-    void dropCopies(VkBuffer buffer);
+    // vk_slots.cpp
+    bool lent() const override { return device_->lent; }
+    void writeMark(uint32_t slot, uint64_t mark, AppCommands commands) override;
+    Result<bool> slotEnded(uint32_t slot, uint64_t mark) override;
+    bool slotHasRun(uint32_t slot, uint64_t mark) const override;
+    void slotIsFree(uint32_t slot, bool ran) override;
+    void freeRetired(uint64_t oldest) override;
+    void barrierAfterSlot(AppCommands commands) override;
+    void barrierBeforeCopies(AppCommands commands) override;
+    Status encodeCopy(const CopyQueue::Copy& copy, AppCommands commands) override;
+    void setWritten(BufferId id) override { buffers_.at(id.value).written = true; }
+    Status submitCopy(const CopyQueue::Copy& copy) override;
+    Result<bool> submittedCopyHasRun(CopyQueue::Copy& copy) override;
+    void waitForCopy() override { (void)waitFor(copyFence_); }
+    void retire(Retirable object, uint64_t born);
+    void free(Retirable& object);
 
     // vk_compose.cpp
     struct Composer {
         VkPipeline pipeline = VK_NULL_HANDLE;
         VkPipeline writeDepth[2] = {};  // where less is nearer; where greater is
-        PictureDepth written = PictureDepth::None;
-        bool linear = false;    // the pass blends linear light
-        uint32_t viewMask = 0;  // of the pass; 0: a draw composes one view
     };
     struct LayerSlot {                                     // what setLayers() said
         VkDescriptorSet descriptors[gpu::kMaxViews] = {};  // of each view
         VkDescriptorSet scenes[gpu::kMaxViews] = {};       // of readScene()
-        gpu::ComposePush push[gpu::kMaxViews] = {};        // of each view; views: those that lie in the same image and buffers
-        uint32_t viewCount = 0;                            // 0: nothing yet
-        uint32_t depths = 0;                               // depthsWritten() of takeSlot()
-        bool mesh = false;                                 // the pictures have a depth of the mesh
     };
+    bool viewsShareImage(const TargetDesc& target) const override { return target.multiview; }
+    void setLayer(uint32_t slot, uint32_t view, const LayerPlace& place) override;
+    Status drawPicture(const PictureDraw& what, PassCommands pass) override;
+    void retireComposer(ComposerId composer) override;
     Status makeLayerSlots();
-    uint32_t markOf(uint32_t slot) const;
-    void mark(uint32_t slot, VkCommandBuffer commands);
     Result<bool> blendsLight(const AppPass& pass) const;
     Result<VkDescriptorSet> layerDescriptors(VkDescriptorSetLayout layout);
-    void setLayer(LayerSlot& layers, uint32_t view, std::span<const LayerPlace> places);
     /** depth: how what is nearer compares, in a pipeline that writes depth; VK_COMPARE_OP_ALWAYS in one that writes colour. */
     Result<VkPipeline> composePipeline(const AppPass& pass, const Shader& fragment, VkCompareOp nearer);
     Status makePipelines(Composer& composer, const AppPass& pass);
     void freeComposer(Composer& composer);
-    /** The composer and the slot of a draw of `view`. */
-    struct Composed {
-        const Composer& composer;
-        const LayerSlot& layers;
-        uint32_t firstView, viewCount;  // that the draw fills
-    };
-    Result<Composed> composedOf(ComposerId composer, uint32_t slot, uint32_t view) const;
-    void drawPicture(const Composed& composed, VkPipeline pipeline, VkOffset2D place, const gpu::ComposePush& more, AppCommands commands);
 
     // vk_submit.cpp
     Status makeSubmissions();
@@ -344,19 +297,13 @@ private:
     std::map<uint32_t, Frame> frames_;
     std::vector<Pipeline> pipelines_;  // PipelineId::value is the index + 1
     std::map<std::tuple<uint32_t, bool, ColourFormat, uint32_t, bool>, VkRenderPass>
-        renderPasses_;  // by layers, depth, colour, samples, sampled
-    uint32_t lastId_ = 0;
-    Copies copies_;
+        renderPasses_;                               // by layers, depth, colour, samples, sampled
     VkCommandBuffer copyCommands_ = VK_NULL_HANDLE;  // of the copy that is submitted; on a device of the backend's own
     VkFence copyFence_ = VK_NULL_HANDLE;
 
     // Of encoded frames.
-    std::vector<Retired> retired_;
-    uint64_t encoded_ = 0;                           // frames so far
-    std::array<uint64_t, kAppSlots> lastEncoded_{};  // number of the last frame in each slot; 0: none
-    Buffer marks_;                                   // a word for each slot: the GPU writes awaited_ there when it has come so far
-    uint32_t lastMark_ = 0;                          // a number for each mark
-    std::array<uint32_t, kAppSlots> awaited_{};      // the slot's last mark, which takeSlot() has not seen; 0: none
+    RetiredObjects<Retirable> retired_;
+    Buffer marks_;  // a word for each slot: the GPU writes the low half of a mark there when it has come so far
     std::map<uint32_t, Composer> composers_;
     Pipeline composeLayout_;   // layouts and shaders of all composers, without a pipeline
     PipelineId readScene_[2];  // of one sample, of four

@@ -69,10 +69,9 @@ Result<VkDescriptorSet> VulkanBackend::layerDescriptors(VkDescriptorSetLayout la
     return set;
 }
 
-Status VulkanBackend::readScene(uint32_t slot, uint32_t view, uint32_t viewOfFrame, uint32_t widthPx, uint32_t heightPx,
-                                const SceneImage& image, BufferId scene, AppCommands commands) {
-    const Buffer& to = buffers_.at(scene.value);
-    const VkDescriptorSet set = layerSlots_[slot].scenes[view];
+Status VulkanBackend::readScene(const SceneRead& read, const SceneImage& image) {
+    const Buffer& to = buffers_.at(read.scene.value);
+    const VkDescriptorSet set = layerSlots_[read.slot].scenes[read.view];
     const VkDescriptorImageInfo from{VK_NULL_HANDLE, image.view, image.layout};
     const VkDescriptorBufferInfo written{to.buffer, 0, to.desc.bytes};
     VkWriteDescriptorSet writes[2]{};
@@ -86,14 +85,12 @@ Status VulkanBackend::readScene(uint32_t slot, uint32_t view, uint32_t viewOfFra
     writes[1].descriptorType = VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, writes[1].pBufferInfo = &written;
     vk_.vkUpdateDescriptorSets(device_->device, 2, writes, 0, nullptr);
     const Pipeline& pipeline = pipelines_[readScene_[image.samples == 1 ? 0 : 1].value - 1];
-    const gpu::ScenePush push{
-        widthPx,     heightPx,    viewOfFrame * widthPx * heightPx, image.layer, float(image.place.x), float(image.place.y),
-        image.scale, image.offset};
-    const auto buffer = static_cast<VkCommandBuffer>(commands.handle);
+    const gpu::ScenePush push = scenePush(read, image.place);
+    const auto buffer = static_cast<VkCommandBuffer>(read.commands.handle);
     vk_.vkCmdBindPipeline(buffer, VK_PIPELINE_BIND_POINT_COMPUTE, pipeline.pipeline);
     vk_.vkCmdBindDescriptorSets(buffer, VK_PIPELINE_BIND_POINT_COMPUTE, pipeline.layout, 0, 1, &set, 0, nullptr);
     vk_.vkCmdPushConstants(buffer, pipeline.layout, pipeline.stages, 0, sizeof push, &push);
-    vk_.vkCmdDispatch(buffer, (widthPx + gpu::kSceneGroup - 1) / gpu::kSceneGroup, heightPx, 1);
+    vk_.vkCmdDispatch(buffer, (read.widthPx + gpu::kSceneGroup - 1) / gpu::kSceneGroup, read.heightPx, 1);
     return {};
 }
 
@@ -192,16 +189,15 @@ Result<bool> VulkanBackend::blendsLight(const AppPass& pass) const {
 }
 
 Result<ComposerId> VulkanBackend::createComposer(const AppPass& pass) {
+    DPL_TRY(const bool linear, blendsLight(pass));
     Composer composer;
-    DPL_TRY(composer.linear, blendsLight(pass));
-    composer.viewMask = pass.viewMask;
-    composer.written = pass.written;
     if (const Status made = makePipelines(composer, pass); !made) {
         freeComposer(composer);
         return made.error();
     }
-    composers_.emplace(++lastId_, composer);
-    return ComposerId{lastId_};
+    const ComposerId id = addComposer({linear, uint32_t(std::bit_width(pass.viewMask)), pass.written});
+    composers_.emplace(id.value, composer);
+    return id;
 }
 
 Status VulkanBackend::makePipelines(Composer& composer, const AppPass& pass) {
@@ -220,34 +216,15 @@ void VulkanBackend::freeComposer(Composer& composer) {
         vk_.vkDestroyPipeline(device_->device, pipeline, device_->allocator);
 }
 
-uint32_t VulkanBackend::depthsWritten() const {
-    uint32_t depths = 0;
-    for (const auto& [id, composer] : composers_) depths |= uint32_t(composer.written);
-    return depths;
-}
-
-Status VulkanBackend::destroyComposer(ComposerId id) {
+void VulkanBackend::retireComposer(ComposerId id) {
     const auto it = composers_.find(id.value);
-    if (it == composers_.end()) return fail(Code::NotFound, "there is no composer {}", id.value);
     Composer& composer = it->second;
-    for (VkPipeline* pipeline : {&composer.pipeline, &composer.writeDepth[0], &composer.writeDepth[1]})
-        if (*pipeline) retire(std::move(*pipeline), 0);  // a slot that was encoded before may be composed with it
+    for (const VkPipeline pipeline : {composer.pipeline, composer.writeDepth[0], composer.writeDepth[1]})
+        if (pipeline) retire(pipeline, 0);  // a slot that was encoded before may be composed with it
     composers_.erase(it);
-    return {};
 }
 
-Status VulkanBackend::setLayers(uint32_t slot, std::span<const LayerPlace> places) {
-    if (slot >= kAppSlots || places.empty() || places.size() > gpu::kMaxViews)
-        return fail(Code::InvalidArgument, "slot {} with {} views does not exist", slot, places.size());
-    LayerSlot& layers = layerSlots_[slot];
-    layers.mesh = places[0].meshDepth.value != 0;
-    for (uint32_t v = 0; v < places.size(); ++v) setLayer(layers, v, places);
-    layers.viewCount = uint32_t(places.size());
-    return {};
-}
-
-void VulkanBackend::setLayer(LayerSlot& layers, uint32_t view, std::span<const LayerPlace> places) {
-    const LayerPlace& place = places[view];
+void VulkanBackend::setLayer(uint32_t slot, uint32_t view, const LayerPlace& place) {
     const Target& target = targets_.at(place.target.value);
     const TargetDesc& desc = target.desc;
     const Surface& surface = target.surfaces[desc.multiview ? 0 : place.view];
@@ -264,7 +241,7 @@ void VulkanBackend::setLayer(LayerSlot& layers, uint32_t view, std::span<const L
     VkWriteDescriptorSet writes[kBindings]{};
     for (uint32_t i = 0; i < kBindings; ++i) {
         writes[i].sType = VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET;
-        writes[i].dstSet = layers.descriptors[view];
+        writes[i].dstSet = layerSlots_[slot].descriptors[view];
         writes[i].dstBinding = i;
         writes[i].descriptorCount = 1;
         writes[i].descriptorType = images[i].imageView ? VK_DESCRIPTOR_TYPE_SAMPLED_IMAGE : VK_DESCRIPTOR_TYPE_STORAGE_BUFFER;
@@ -272,69 +249,30 @@ void VulkanBackend::setLayer(LayerSlot& layers, uint32_t view, std::span<const L
         writes[i].pBufferInfo = &buffers[i];
     }
     vk_.vkUpdateDescriptorSets(device_->device, kBindings, writes, 0, nullptr);
-    layers.push[view] = composePush(places, view, desc, desc.multiview, device_->info.halfDepth);
 }
 
-Result<VulkanBackend::Composed> VulkanBackend::composedOf(ComposerId id, uint32_t slot, uint32_t view) const {
-    const auto it = composers_.find(id.value);
-    if (it == composers_.end()) return fail(Code::NotFound, "there is no composer {}", id.value);
-    if (slot >= kAppSlots || layerSlots_[slot].viewCount == 0) return fail(Code::InvalidArgument, "slot {} was not prepared", slot);
-    const uint32_t mask = it->second.viewMask, prepared = layerSlots_[slot].viewCount;
-    const Composed composed{it->second, layerSlots_[slot], mask ? 0 : view, mask ? uint32_t(std::bit_width(mask)) : 1};
-    if (composed.viewCount > prepared || composed.firstView > prepared - composed.viewCount)
-        return fail(Code::InvalidArgument, "{} views are wanted, but slot {} was prepared with {}",
-                    uint64_t(composed.firstView) + composed.viewCount, slot, prepared);
-    return composed;
-}
-
-Status VulkanBackend::compose(ComposerId id, uint32_t slot, uint32_t view, VkOffset2D place, AppCommands commands) {
-    DPL_TRY(const Composed composed, composedOf(id, slot, view));
-    gpu::ComposePush push{};
-    push.linear = composed.composer.linear ? 1 : 0;
-    drawPicture(composed, composed.composer.pipeline, place, push, commands);
-    return {};
-}
-
-Status VulkanBackend::composeDepth(ComposerId id, uint32_t slot, uint32_t view, VkOffset2D place, float scale, float offset,
-                                   AppCommands commands) {
-    DPL_TRY(const Composed composed, composedOf(id, slot, view));
-    const PictureDepth written = composed.composer.written;
-    DPL_RETURN_IF_ERROR(checkDepth(id, written, slot, composed.layers.depths, "DplVulkanPass"));
-    const bool mesh = written == PictureDepth::Mesh;
-    if (mesh && !composed.layers.mesh) return {};
-    gpu::ComposePush push{};
-    push.mesh = mesh ? 1 : 0;
-    push.scale = scale, push.offset = offset;
-    drawPicture(composed, composed.composer.writeDepth[offset > 0], place, push, commands);
-    return {};
-}
-
-/** more: what depends on the pipeline. */
-void VulkanBackend::drawPicture(const Composed& composed, VkPipeline pipeline, VkOffset2D place, const gpu::ComposePush& more,
-                                AppCommands commands) {
-    const auto buffer = static_cast<VkCommandBuffer>(commands.handle);
-    const uint32_t widthPx = composed.layers.push[0].widthPx, heightPx = composed.layers.push[0].heightPx;
+Status VulkanBackend::drawPicture(const PictureDraw& what, PassCommands pass) {
+    const auto buffer = static_cast<VkCommandBuffer>(pass.handle);
+    const Composer& composer = composers_.at(what.composer.value);
+    const PicturePlace place = what.place;
+    const uint32_t widthPx = what.push[0].widthPx, heightPx = what.push[0].heightPx;
     // A scissor begins at 0 or beyond, so a picture that begins left of the target or above it is cut there.
     const VkViewport viewport{float(place.x), float(place.y), float(widthPx), float(heightPx), 0, 1};
     const VkOffset2D first{std::max(place.x, 0), std::max(place.y, 0)};
     const auto extent = [](int32_t from, int32_t at, uint32_t size) { return uint32_t(std::max<int64_t>(int64_t(at) + size - from, 0)); };
     const VkRect2D scissor{first, {extent(first.x, place.x, widthPx), extent(first.y, place.y, heightPx)}};
-    vk_.vkCmdBindPipeline(buffer, VK_PIPELINE_BIND_POINT_GRAPHICS, pipeline);
+    vk_.vkCmdBindPipeline(buffer, VK_PIPELINE_BIND_POINT_GRAPHICS,
+                          what.depth ? composer.writeDepth[what.greaterIsNearer] : composer.pipeline);
     vk_.vkCmdSetViewport(buffer, 0, 1, &viewport);
     vk_.vkCmdSetScissor(buffer, 0, 1, &scissor);
-    uint32_t done = 0;
-    for (uint32_t view = composed.firstView; view < composed.firstView + composed.viewCount; ++view) {
-        if (done >> view & 1) continue;
-        gpu::ComposePush push = composed.layers.push[view];
-        done |= push.views;
-        push.placeX = viewport.x, push.placeY = viewport.y;
-        push.view = view;
-        push.linear = more.linear, push.mesh = more.mesh, push.scale = more.scale, push.offset = more.offset;
+    for (uint32_t i = 0; i < what.draws; ++i) {
+        const gpu::ComposePush& push = what.push[i];
         vk_.vkCmdBindDescriptorSets(buffer, VK_PIPELINE_BIND_POINT_GRAPHICS, composeLayout_.layout, 0, 1,
-                                    &composed.layers.descriptors[view], 0, nullptr);
+                                    &layerSlots_[what.slot].descriptors[push.view], 0, nullptr);
         vk_.vkCmdPushConstants(buffer, composeLayout_.layout, composeLayout_.stages, 0, sizeof push, &push);
         vk_.vkCmdDraw(buffer, 3, 1, 0, 0);
     }
+    return {};
 }
 
 }  // namespace dpl::vk

@@ -284,47 +284,42 @@ Result<FrameId> VulkanBackend::createFrame(std::vector<Step> steps, FrameRun run
     }
     for (const TargetId target : drawnTargets) targets_.at(target.value).drawn = true;
     for (const BufferId id : written) buffers_.at(id.value).written = true;
-    frame.born = encoded_;
-    frames_.emplace(++lastId_, std::move(frame));
-    return FrameId{lastId_};
+    frame.born = encoded();
+    const FrameId id{newId()};
+    frames_.emplace(id.value, std::move(frame));
+    return id;
 }
 
 Status VulkanBackend::encode(FrameId id, uint32_t slot, AppCommands commands) {
     const auto it = frames_.find(id.value);
     if (it == frames_.end() || it->second.run != FrameRun::Encoded) return fail(Code::InvalidArgument, "the encoded frame does not exist");
-    if (slot >= kAppSlots || !commands.handle) return fail(Code::InvalidArgument, "slot {} or its commands do not exist", slot);
+    DPL_RETURN_IF_ERROR(beginSlot(slot, commands));
     Frame& frame = it->second;
     if (frame.running) ended(frame);
-    lastEncoded_[slot] = ++encoded_;
-    freeRetired();
     const auto buffer = static_cast<VkCommandBuffer>(commands.handle);
     Recorder recorder{*this, buffer};
     // The frame before this one uses the same buffers, an app's pass may read them, and readScene() may just have written one.
     recorder.barrier(kReaders, kReaders);
     DPL_RETURN_IF_ERROR(play(frame, buffer));
-    markSlot(slot, buffer);
+    endSlot(slot, commands);
     frame.running = true;
     frame.slot = slot;
     return {};
 }
 
-/** What is encoded with a slot ends here: later commands see what it wrote, and takeSlot() learns that it has run. */
-void VulkanBackend::markSlot(uint32_t slot, VkCommandBuffer commands) {
-    Recorder{*this, commands}.barrier(kGpuStages, kReaders);
-    if (marks_.buffer) mark(slot, commands);
+void VulkanBackend::barrierAfterSlot(AppCommands commands) {
+    Recorder{*this, static_cast<VkCommandBuffer>(commands.handle)}.barrier(kGpuStages, kReaders);
 }
 
-/** Lets takeSlot() see that the commands before have run. */
-void VulkanBackend::mark(uint32_t slot, VkCommandBuffer commands) {
-    Recorder recorder{*this, commands};
-    awaited_[slot] = ++lastMark_;
+void VulkanBackend::writeMark(uint32_t slot, uint64_t mark, AppCommands commands) {
+    Recorder recorder{*this, static_cast<VkCommandBuffer>(commands.handle)};
     recorder.barrier();  // behind an earlier mark of the slot
-    vk_.vkCmdFillBuffer(commands, marks_.buffer, slot * sizeof(uint32_t), sizeof(uint32_t), awaited_[slot]);
+    vk_.vkCmdFillBuffer(recorder.commands, marks_.buffer, slot * sizeof(uint32_t), sizeof(uint32_t), uint32_t(mark));
     recorder.hostBarrier();
 }
 
-void VulkanBackend::barrierBeforeCopies(VkCommandBuffer commands) {
-    Recorder{*this, commands}.barrier();
+void VulkanBackend::barrierBeforeCopies(AppCommands commands) {
+    Recorder{*this, static_cast<VkCommandBuffer>(commands.handle)}.barrier();
 }
 
 /** Device: the device was lost. Asks it by a fence that no frame uses. */

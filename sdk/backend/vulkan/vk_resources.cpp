@@ -65,15 +65,16 @@ Result<BufferId> VulkanBackend::createBuffer(const BufferDesc& desc) {
         freeBuffer(b);
         return status.error();
     }
-    b.born = encoded_;
-    buffers_.emplace(++lastId_, std::move(b));
-    return BufferId{lastId_};
+    b.born = encoded();
+    const BufferId id{newId()};
+    buffers_.emplace(id.value, std::move(b));
+    return id;
 }
 
 void VulkanBackend::destroyBuffer(BufferId id) {
     const auto it = buffers_.find(id.value);
     if (it == buffers_.end()) return;
-    dropCopies(it->second.buffer);
+    dropCopies(id);
     retire(std::move(it->second), it->second.born);
     buffers_.erase(it);
 }
@@ -216,9 +217,10 @@ Result<TargetId> VulkanBackend::createTarget(const TargetDesc& desc) {
         freeTarget(t);
         return status.error();
     }
-    t.born = encoded_;
-    targets_.emplace(++lastId_, std::move(t));
-    return TargetId{lastId_};
+    t.born = encoded();
+    const TargetId id{newId()};
+    targets_.emplace(id.value, std::move(t));
+    return id;
 }
 
 void VulkanBackend::destroyTarget(TargetId id) {
@@ -239,10 +241,10 @@ uint64_t VulkanBackend::residentBytes() const {
     uint64_t bytes = 0;
     for (const auto& [id, b] : buffers_) bytes += b.allocatedBytes;
     for (const auto& [id, t] : targets_) bytes += bytesOf(t);
-    for (const Retired& retired : retired_) {
-        if (const auto* buffer = std::get_if<Buffer>(&retired.object)) bytes += buffer->allocatedBytes;
-        if (const auto* target = std::get_if<Target>(&retired.object)) bytes += bytesOf(*target);
-    }
+    retired_.forEach([&](const Retirable& object) {
+        if (const auto* buffer = std::get_if<Buffer>(&object)) bytes += buffer->allocatedBytes;
+        if (const auto* target = std::get_if<Target>(&object)) bytes += bytesOf(*target);
+    });
     return bytes;
 }
 

@@ -1,80 +1,68 @@
 // SPDX-License-Identifier: Apache-2.0
-// The slots of an app that lends its device: whether their commands have run, and what was destroyed while they may need it.
-#include <algorithm>
-
+// What Vulkan does for the slots of an app that lends its device, and for uploads between frames (sdk/backend/slotted_backend.h).
 #include "sdk/backend/vulkan/vk_backend.h"
 
 namespace dpl::vk {
 
-uint32_t VulkanBackend::markOf(uint32_t slot) const {
-    return reinterpret_cast<const volatile uint32_t*>(marks_.mapped)[slot];  // the GPU writes it
+bool VulkanBackend::slotHasRun(uint32_t slot, uint64_t mark) const {
+    return reinterpret_cast<const volatile uint32_t*>(marks_.mapped)[slot] == uint32_t(mark);  // the GPU writes it
 }
 
-Status VulkanBackend::takeSlot(uint32_t slot) {
-    if (slot >= kAppSlots) return fail(Code::InvalidArgument, "slot {} does not exist; there are {}", slot, kAppSlots);
-    if (awaited_[slot] != 0 && markOf(slot) != awaited_[slot]) {
-        DPL_RETURN_IF_ERROR(checkPresent());
-        return fail(
-            Code::InvalidArgument,
-            "slot {} is prepared again, but the GPU has not run the commands that were prepared with it; wait for the fence of that "
-            "frame before, or call dplVulkanDropSlot if the commands will never run",
-            slot);
-    }
-    awaited_[slot] = 0;
-    copies_.slotHasRun(slot);
-    for (auto& [id, frame] : frames_)
-        if (frame.run == FrameRun::Encoded && frame.running && frame.slot == slot) ended(frame);
-    layerSlots_[slot].viewCount = 0;  // until setLayers(): if the new frame fails, nothing of the slot can be composed
-    layerSlots_[slot].depths = depthsWritten();
-    return {};
+Result<bool> VulkanBackend::slotEnded(uint32_t slot, uint64_t mark) {
+    if (slotHasRun(slot, mark)) return true;
+    DPL_RETURN_IF_ERROR(checkPresent());
+    return false;
 }
 
-Status VulkanBackend::dropSlot(uint32_t slot) {
-    if (slot >= kAppSlots) return fail(Code::InvalidArgument, "slot {} does not exist; there are {}", slot, kAppSlots);
-    for (auto& [id, frame] : frames_)
-        if (frame.run == FrameRun::Encoded && frame.slot == slot) {  // perhaps it never ran
-            frame.running = frame.timed = false;
-            frame.unread = VK_NULL_HANDLE;
-        }
-    copies_.slotIsDropped(slot);
-    awaited_[slot] = 0;
-    layerSlots_[slot].viewCount = 0;
-    return {};
-}
-
-/** Frees an object once no commands of the app can need it: at once if no frame was encoded since it was created. */
-template <class T>
-void VulkanBackend::retire(T&& object, uint64_t born) {
-    Retired& retired = retired_.emplace_back();
-    retired.encoded = encoded_;
-    retired.object = std::forward<T>(object);
-    if (born < encoded_) return;
-    free(retired);
-    retired_.pop_back();
-}
-template void VulkanBackend::retire(Buffer&&, uint64_t);
-template void VulkanBackend::retire(Target&&, uint64_t);
-template void VulkanBackend::retire(Frame&&, uint64_t);
-template void VulkanBackend::retire(VkPipeline&&, uint64_t);
-template void VulkanBackend::retire(AppTarget&&, uint64_t);
-
-/** Frees what no commands of the app can need any more. */
-void VulkanBackend::freeRetired() {
-    uint64_t oldest = encoded_;  // of the frames that may still run: the last one of each slot
-    for (const uint64_t last : lastEncoded_)
-        if (last > 0) oldest = std::min(oldest, last);
-    while (!retired_.empty() && retired_.front().encoded < oldest) {
-        free(retired_.front());
-        retired_.erase(retired_.begin());
+void VulkanBackend::slotIsFree(uint32_t slot, bool ran) {
+    for (auto& [id, frame] : frames_) {
+        if (frame.run != FrameRun::Encoded || frame.slot != slot) continue;
+        if (ran && frame.running) ended(frame);
+        if (!ran) frame.running = frame.timed = false, frame.unread = VK_NULL_HANDLE;  // perhaps it never ran
     }
 }
 
-void VulkanBackend::free(Retired& retired) {
-    if (auto* buffer = std::get_if<Buffer>(&retired.object)) freeBuffer(*buffer);
-    if (auto* target = std::get_if<Target>(&retired.object)) freeTarget(*target);
-    if (auto* frame = std::get_if<Frame>(&retired.object)) freeFrame(*frame);
-    if (auto* target = std::get_if<AppTarget>(&retired.object)) freeAppTarget(*target);
-    if (auto* pipeline = std::get_if<VkPipeline>(&retired.object)) vk_.vkDestroyPipeline(device_->device, *pipeline, device_->allocator);
+void VulkanBackend::retire(Retirable object, uint64_t born) {
+    retired_.retire(std::move(object), born, encoded(), [&](Retirable& unneeded) { free(unneeded); });
+}
+
+void VulkanBackend::freeRetired(uint64_t oldest) {
+    retired_.freeBefore(oldest, [&](Retirable& object) { free(object); });
+}
+
+void VulkanBackend::free(Retirable& object) {
+    if (auto* buffer = std::get_if<Buffer>(&object)) freeBuffer(*buffer);
+    if (auto* target = std::get_if<Target>(&object)) freeTarget(*target);
+    if (auto* frame = std::get_if<Frame>(&object)) freeFrame(*frame);
+    if (auto* target = std::get_if<AppTarget>(&object)) freeAppTarget(*target);
+    if (auto* pipeline = std::get_if<VkPipeline>(&object)) vk_.vkDestroyPipeline(device_->device, *pipeline, device_->allocator);
+}
+
+Status VulkanBackend::encodeCopy(const CopyQueue::Copy& copy, AppCommands commands) {
+    const VkBufferCopy region{copy.fromOffset, copy.toOffset, copy.bytes};
+    vk_.vkCmdCopyBuffer(static_cast<VkCommandBuffer>(commands.handle), buffers_.at(copy.from.value).buffer,
+                        buffers_.at(copy.to.value).buffer, 1, &region);
+    return {};
+}
+
+Status VulkanBackend::submitCopy(const CopyQueue::Copy& copy) {
+    VkCommandBufferBeginInfo begin{VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO};
+    begin.flags = VK_COMMAND_BUFFER_USAGE_ONE_TIME_SUBMIT_BIT;
+    DPL_VK(vk_.vkBeginCommandBuffer(copyCommands_, &begin));
+    DPL_RETURN_IF_ERROR(encodeCopy(copy, {copyCommands_}));
+    DPL_VK(vk_.vkEndCommandBuffer(copyCommands_));
+    VkSubmitInfo submit{VK_STRUCTURE_TYPE_SUBMIT_INFO};
+    submit.commandBufferCount = 1;
+    submit.pCommandBuffers = &copyCommands_;
+    DPL_VK(vk_.vkResetFences(device_->device, 1, &copyFence_));
+    DPL_VK(vk_.vkQueueSubmit(device_->queue, 1, &submit, copyFence_));
+    return {};
+}
+
+Result<bool> VulkanBackend::submittedCopyHasRun(CopyQueue::Copy&) {
+    const VkResult status = vk_.vkGetFenceStatus(device_->device, copyFence_);
+    if (status != VK_SUCCESS && status != VK_NOT_READY) return failVk("vkGetFenceStatus", status);
+    return status == VK_SUCCESS;
 }
 
 }  // namespace dpl::vk

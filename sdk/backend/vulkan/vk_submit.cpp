@@ -38,8 +38,9 @@ Result<AppTargetId> VulkanBackend::createAppTarget(const AppTargetDesc& desc) {
         freeAppTarget(target);
         return made.error();
     }
-    appTargets_.emplace(++lastId_, target);
-    return AppTargetId{lastId_};
+    const AppTargetId id{newId()};
+    appTargets_.emplace(id.value, target);
+    return id;
 }
 
 Status VulkanBackend::makeAppTarget(AppTarget& target) {
@@ -110,7 +111,7 @@ Result<AppCommands> VulkanBackend::beginSubmission(AppTargetId id, uint32_t slot
     return AppCommands{submissionCommands_[slot]};
 }
 
-Status VulkanBackend::submitTo(AppTargetId id, uint32_t slot, VkOffset2D place, const AppSubmission& how) {
+Status VulkanBackend::submitTo(AppTargetId id, uint32_t slot, PicturePlace place, const AppSubmission& how) {
     const AppTarget& target = appTargets_.at(id.value);
     const VkCommandBuffer commands = submissionCommands_[slot];
     for (uint32_t i = 0; i < target.desc.imageCount; ++i) {
@@ -123,7 +124,7 @@ Status VulkanBackend::submitTo(AppTargetId id, uint32_t slot, VkOffset2D place, 
         vk_.vkCmdEndRenderPass(commands);
         DPL_RETURN_IF_ERROR(composed);
     }
-    mark(slot, commands);
+    markSlot(slot, {commands});
     DPL_VK(vk_.vkEndCommandBuffer(commands));
     VkTimelineSemaphoreSubmitInfo timeline{VK_STRUCTURE_TYPE_TIMELINE_SEMAPHORE_SUBMIT_INFO};
     timeline.waitSemaphoreValueCount = uint32_t(how.waitValues.size()), timeline.pWaitSemaphoreValues = how.waitValues.data();
