@@ -9,7 +9,6 @@
 namespace dpl {
 namespace {
 
-constexpr float kTracked = 0.5f, kFarthestM = 1000, kLeastLength = 1e-3f;
 constexpr float kLeastAcrossM = 0.02f;              // between left and right hip or shoulder, along hips that face the wrong way
 constexpr float kOtherShare = 0.35f;                // by which a bone may differ from its rest length, after the scale of the whole
 constexpr float kSmallest = 0.4f, kLargest = 2.5f;  // scale of a person against the rest pose
@@ -36,43 +35,10 @@ constexpr BonePair kLengths[] = {
     {"leftUpperArm", "rightUpperArm"},
 };
 
-bool isUsable(const float* numbers, size_t count, float largest) {
-    return std::all_of(numbers, numbers + count, [&](float x) { return std::abs(x) <= largest; });  // false for NaN
-}
-
 }  // namespace
 
-void cleanFrame(TrackFormat format, const TrackFrame& frame, CleanFrame& out) {
-    const size_t count = trackedJoints(format).size();
-    out.rotations.assign(count, Quatf(1, 0, 0, 0));
-    out.positions.assign(count, Vec3f(0));
-    out.tracked.assign(count, 0);
-    for (size_t j = 0; j < count; ++j) {
-        const float* p = frame.positions.data() + 3 * j;
-        if (!frame.confidence.empty() && !(frame.confidence[j] >= kTracked)) continue;
-        if (!isUsable(p, 3, kFarthestM)) continue;
-        if (!frame.rotations.empty()) {
-            const float* r = frame.rotations.data() + 4 * j;
-            if (!isUsable(r, 4, 1e6f)) continue;
-            const Quatf q(r[3], r[0], r[1], r[2]);
-            const float length = glm::length(q);
-            if (!(length > kLeastLength)) continue;
-            out.rotations[j] = q / length;
-        }
-        out.positions[j] = Vec3f(p[0], p[1], p[2]);
-        if (format == TrackFormat::Unity) {  // a mirror in z: left-handed to right-handed
-            const Quatf q = out.rotations[j];
-            out.rotations[j] = Quatf(q.w, -q.x, -q.y, q.z);
-            out.positions[j].z = -p[2];
-        }
-        if (format == TrackFormat::MediapipePose) out.positions[j] = Vec3f(p[0], -p[1], -p[2]);
-        out.tracked[j] = 1;
-    }
-}
-
-Result<TrackSkeleton> TrackSkeleton::create(TrackFormat format, const TrackFrame& rest) {
+Result<TrackSkeleton> TrackSkeleton::create(std::span<const TrackedJoint> table, const CleanFrame& rest) {
     TrackSkeleton out;
-    const std::span<const TrackedJoint> table = trackedJoints(format);
     for (size_t j = 0; j < table.size(); ++j) {
         out.joints_.push_back({table[j].name, -1, Vec3f(0), table[j].bone});
         if (!table[j].bone.empty()) out.bones_.emplace(table[j].bone, j);
@@ -82,25 +48,23 @@ Result<TrackSkeleton> TrackSkeleton::create(TrackFormat format, const TrackFrame
         out.rest_.assign(standardRest().begin(), standardRest().end());
         return out;
     }
-    CleanFrame clean;
-    cleanFrame(format, rest, clean);
     for (const std::string_view bone : {"hips", "head", "leftUpperArm", "rightUpperArm", "leftLowerArm", "rightLowerArm"}) {
         const auto joint = findBone(out.bones_, bone);
-        if (joint && !clean.tracked[*joint])
+        if (joint && !rest.tracked[*joint])
             return fail(Code::InvalidArgument, "rest: joint '{}' has a number that is not finite, or a rotation of zero",
                         table[*joint].name);
     }
-    std::erase_if(out.bones_, [&](const auto& entry) { return !clean.tracked[entry.second]; });  // bones that a model lacks
-    out.rest_ = clean.positions;
+    std::erase_if(out.bones_, [&](const auto& entry) { return !rest.tracked[entry.second]; });  // bones that a model lacks
+    out.rest_ = rest.positions;
     const auto upright = uprightFrom(out.bones_, out.rest_);
     if (!upright) return fail(Code::CorruptData, "rest: the joints are not those of a standing person; give the T-pose of the platform");
     for (Vec3f& p : out.rest_) p = *upright * p;
-    for (size_t j = 0; j < table.size(); ++j) out.uprightFromJoint_[j] = glm::normalize(glm::conjugate(*upright * clean.rotations[j]));
+    for (size_t j = 0; j < table.size(); ++j) out.uprightFromJoint_[j] = glm::normalize(glm::conjugate(*upright * rest.rotations[j]));
     // Toes point ahead of ankles: else the names of the sides are swapped.
     float ahead = 0;
     for (const std::string side : {"left", "right"}) {
         const auto foot = findBone(out.bones_, side + "Foot"), toes = findBone(out.bones_, side + "Toes");
-        if (foot && toes && clean.tracked[*foot] && clean.tracked[*toes]) ahead += out.rest_[*toes].z - out.rest_[*foot].z;
+        if (foot && toes && rest.tracked[*foot] && rest.tracked[*toes]) ahead += out.rest_[*toes].z - out.rest_[*foot].z;
     }
     if (ahead < -0.05f)
         return fail(Code::CorruptData, "rest: toes point behind, so left and right are swapped, or the axes are left-handed");

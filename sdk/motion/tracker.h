@@ -5,24 +5,15 @@
 
 #include <memory>
 #include <optional>
-#include <span>
 #include <vector>
 
 #include "sdk/avatar/rig.h"
 #include "sdk/motion/arm_guard.h"
-#include "sdk/motion/hand_follower.h"
-#include "sdk/motion/one_euro.h"
 #include "sdk/motion/pose_fade.h"
-#include "sdk/motion/track_points.h"
-#include "sdk/motion/track_skeleton.h"
+#include "sdk/motion/track_driver.h"
+#include "sdk/motion/track_source.h"
 
 namespace dpl {
-
-struct TrackerOptions {
-    bool raw = false;        // neither smoothed nor extrapolated
-    bool keepPlace = false;  // the avatar stands where the person stands; false: it starts above the origin, and travel is scaled by legs
-    bool inPlace = false;    // no travel; poses of OpenxrHands are in the avatar's own space
-};
 
 enum class TrackerState : uint32_t { Waiting = 0, Tracking = 1, Lost = 2 };
 
@@ -35,8 +26,7 @@ struct TrackerStatus {
 /** Not thread safe. It points into itself, so it stays where it was made. */
 class Tracker {
 public:
-    /** rest: of the format, or without joints. InvalidArgument: the format needs a rest, or its sizes do not fit. Other errors:
-     *  checkCommonBones, TrackSkeleton::create. */
+    /** rest: of the format, or without joints. Errors: TrackSource::create, TrackDriver::create. */
     static Result<std::unique_ptr<Tracker>> create(std::vector<JointData> joints, TrackFormat format, const TrackerOptions& options,
                                                    const TrackFrame& rest);
     Tracker(const Tracker&) = delete;
@@ -54,68 +44,27 @@ public:
 
     const TrackerStatus& status() const { return status_; }
     /** Joints of a frame. */
-    size_t trackedCount() const { return trackedJoints(format_).size(); }
+    size_t trackedCount() const { return source_->jointCount(); }
 
 private:
-    template <class T>
-    struct Channel {
-        OneEuro<T> filter;
-        int64_t lastNs = 0;
-        uint32_t driver = 0;  // counts how often it was acquired; 0: never
-    };
-
-    Tracker(std::vector<JointData> joints, TrackFormat format, const TrackerOptions& options);
-    Status checkSizes(const TrackFrame& frame) const;
-    Status addBones();
-    Status addHands();
-    template <class T>
-    void feed(Channel<T>& channel, const T& value, const FilterLimits& limits, float farthest, bool anew);
-    template <class T>
-    bool isFresh(const Channel<T>& channel) const;
-    template <class T>
-    T sample(const Channel<T>& channel);
-    void poseBones(Pose& pose);
-    void poseHands(Pose& pose);
-    void standBelowHips(Pose& pose);
-    Vec3f rootFor(float stepS, const CleanFrame& frame);
-    void describe();
+    Tracker(std::vector<JointData> joints, const TrackerOptions& options);
+    void pushArms(float stepS, Pose& pose);
+    void describe(float aheadS);
 
     std::vector<JointData> joints_;
-    TrackFormat format_;
-    TrackerOptions options_;
-    std::optional<TrackSkeleton> skeleton_;  // of formats that give bones
-    std::optional<BoneFollower> follower_;   // of those and of points
-    std::optional<HandFollower> hands_;
+    std::unique_ptr<TrackSource> source_;
+    std::unique_ptr<TrackDriver> driver_;  // refers to both above
+    StreamClock clock_;
     std::optional<ArmGuard> guard_;
     ArmGuard::Pushes pushed_{};
-
     CleanFrame frame_;
-    PointBones points_;
-    std::vector<uint8_t> wasTracked_;  // by source joint
-    std::vector<Quatf> local_;         // as the last frames had them
-    std::vector<Channel<Quatf>> turns_;
-    std::vector<Channel<Vec3f>> places_;
-    int64_t lastNs_ = 0;
-    bool any_ = false;  // a frame was taken
-    float stepS_ = 0;   // usual time between frames; 0: not known
-
-    float scale_ = 0;              // of travel; 0: not known yet
-    std::optional<Vec3f> origin_;  // of the hips or the head in the tracker's space
-    std::optional<float> floor_;   // lowest place of feet, or with FbBody height of standing hips
-    float stanceYawRad_ = 0;
-    bool stanceKnown_ = false;
 
     int64_t shownNs_ = 0;
     bool shown_ = false;
     Vec3f rootShown_{0};
     PoseFade fade_;
     std::vector<uint32_t> drivers_;  // by joint, then of the root
-    std::vector<uint8_t> driven_;    // scratch
-    std::vector<Quatf> world_;
-    std::vector<Vec3f> at_;
     std::vector<float> sorted_;
-    float ahead_ = 0;
-    int64_t pictureNs_ = 0;
     TrackerStatus status_;
 };
 

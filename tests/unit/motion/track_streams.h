@@ -10,7 +10,7 @@
 
 #include "sdk/motion/clip.h"
 #include "sdk/motion/track_format.h"
-#include "sdk/motion/track_skeleton.h"
+#include "sdk/motion/track_source.h"
 #include "tests/unit/avatar/rigs.h"
 
 namespace dpl::test {
