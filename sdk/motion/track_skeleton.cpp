@@ -12,6 +12,7 @@ namespace {
 constexpr float kLeastAcrossM = 0.02f;              // between left and right hip or shoulder, along hips that face the wrong way
 constexpr float kOtherShare = 0.35f;                // by which a bone may differ from its rest length, after the scale of the whole
 constexpr float kSmallest = 0.4f, kLargest = 2.5f;  // scale of a person against the rest pose
+constexpr float kSmallestOfAll = 0.05f, kLargestOfAll = 20;  // of any figure against a person of 1.7 m; units are 100 or 1000 times off
 constexpr size_t kLeastBones = 4;
 
 struct BonePair {
@@ -48,6 +49,16 @@ Result<TrackSkeleton> TrackSkeleton::create(std::span<const TrackedJoint> table,
         out.rest_.assign(standardRest().begin(), standardRest().end());
         return out;
     }
+    // Rest poses are looked at as frames of a person whose size the standard T-pose tells, by bone.
+    std::vector<Vec3f> standard(table.size(), Vec3f(0));
+    const auto names = humanoidBoneNames();
+    for (const auto& [bone, joint] : out.bones_)
+        if (const auto at = std::find(names.begin(), names.end(), bone); at != names.end())
+            standard[joint] = standardRest()[size_t(at - names.begin())];
+    std::vector<float> ratios;
+    if (const float scale = out.scaleOf(rest, standard, ratios); scale > kLargestOfAll)
+        return fail(Code::InvalidArgument, "rest: bones are {} times as long as a person's: metres are needed, these look like {}", scale,
+                    scale > 300 ? "millimetres" : "centimetres");
     for (const std::string_view bone : {"hips", "head", "leftUpperArm", "rightUpperArm", "leftLowerArm", "rightLowerArm"}) {
         const auto joint = findBone(out.bones_, bone);
         if (joint && !rest.tracked[*joint])
@@ -85,21 +96,30 @@ bool TrackSkeleton::isSwapped(const CleanFrame& frame) const {
     return false;
 }
 
-Status TrackSkeleton::checkLengths(const CleanFrame& frame) const {
-    std::vector<float> ratios;
+/** How many times as long as at rest the bones of a frame are, in the median. 0: too few are tracked. */
+float TrackSkeleton::scaleOf(const CleanFrame& frame, std::span<const Vec3f> rest, std::vector<float>& ratios) const {
+    ratios.clear();
     for (const BonePair& pair : kLengths) {
         const auto a = findBone(bones_, pair.from), b = findBone(bones_, pair.to);
         if (!a || !b || !frame.tracked[*a] || !frame.tracked[*b]) continue;
-        const float before = glm::length(rest_[*b] - rest_[*a]);
+        const float before = glm::length(rest[*b] - rest[*a]);
         if (before > 0.02f) ratios.push_back(glm::length(frame.positions[*b] - frame.positions[*a]) / before);
     }
-    if (ratios.size() < kLeastBones) return {};
+    if (ratios.size() < kLeastBones) return 0;
     const auto middle = ratios.begin() + std::ptrdiff_t(ratios.size() / 2);
     std::nth_element(ratios.begin(), middle, ratios.end());
-    const float scale = *middle;
-    if (!(scale > kSmallest) || !(scale < kLargest))
-        return fail(Code::CorruptData, "bones are {} times as long as at rest: metres are needed, of the skeleton that rest describes",
-                    scale);
+    return *middle;
+}
+
+Status TrackSkeleton::checkLengths(const CleanFrame& frame) const {
+    std::vector<float> ratios;
+    const float scale = scaleOf(frame, rest_, ratios);
+    if (ratios.size() < kLeastBones) return {};
+    const float smallest = knowsLengths_ ? kSmallest : kSmallestOfAll, largest = knowsLengths_ ? kLargest : kLargestOfAll;
+    if (!(scale > smallest) || !(scale < largest))
+        return fail(Code::CorruptData, "bones are {} times as long as {}: metres are needed, of the skeleton that rest describes", scale,
+                    knowsLengths_ ? "at rest" : "a person's");
+    if (!knowsLengths_) return {};
     const auto other = std::count_if(ratios.begin(), ratios.end(), [&](float r) { return std::abs(r / scale - 1) > kOtherShare; });
     if (size_t(other) * 2 > ratios.size())
         return fail(Code::CorruptData, "{} of {} bones have other proportions than at rest: another skeleton, or joints in another order",
@@ -111,7 +131,7 @@ Status TrackSkeleton::read(CleanFrame& frame) const {
     for (size_t j = 0; j < joints_.size(); ++j)
         if (frame.tracked[j]) frame.rotations[j] = glm::normalize(frame.rotations[j] * uprightFromJoint_[j]);
     if (isSwapped(frame)) return fail(Code::CorruptData, "left and right of the hips or the arms are swapped");
-    if (knowsLengths_) DPL_RETURN_IF_ERROR(checkLengths(frame));
+    DPL_RETURN_IF_ERROR(checkLengths(frame));
     for (const BonePair& pair : kRigid) {
         const auto carrier = findBone(bones_, pair.from), bone = findBone(bones_, pair.to);
         if (!carrier || !bone || !frame.tracked[*carrier] || frame.tracked[*bone]) continue;

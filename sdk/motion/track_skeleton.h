@@ -38,6 +38,7 @@ public:
 private:
     bool isSwapped(const CleanFrame& frame) const;
     Status checkLengths(const CleanFrame& frame) const;
+    float scaleOf(const CleanFrame& frame, std::span<const Vec3f> rest, std::vector<float>& ratios) const;
 
     std::vector<JointData> joints_;
     BoneMap bones_;

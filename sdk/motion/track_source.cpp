@@ -10,8 +10,9 @@
 namespace dpl {
 namespace {
 
-constexpr float kTracked = 0.5f, kFarthestM = 1000, kLeastLength = 1e-3f;
-constexpr float kShortestPalmM = 0.03f, kLongestPalmM = 0.2f;
+constexpr float kTracked = 0.5f, kFarthestM = 1000, kFarthestNumber = 1e5f, kLeastLength = 1e-3f;
+constexpr size_t kManyFar = 4;  // joints beyond kFarthestM: no stray ones
+constexpr float kShortestPalmM = 0.03f, kLongestPalmM = 0.2f, kPalmInOtherUnits = 2;
 
 bool isUsable(const float* numbers, size_t count, float largest) {
     return std::all_of(numbers, numbers + count, [&](float x) { return std::abs(x) <= largest; });  // false for NaN
@@ -22,7 +23,7 @@ class BoneSource : public TrackSource {
 public:
     using TrackSource::TrackSource;
     Status read(const TrackFrame& frame, CleanFrame& out) override {
-        clean(frame, out);
+        DPL_RETURN_IF_ERROR(clean(frame, out));
         return skeleton_->read(out);
     }
     const TrackSkeleton* skeleton() const override { return &*skeleton_; }
@@ -71,8 +72,8 @@ class OpenxrHandsSource final : public TrackSource {
 public:
     OpenxrHandsSource() : TrackSource(trackedJoints(TrackFormat::OpenxrHands)) {}
     Status read(const TrackFrame& frame, CleanFrame& out) override {
-        clean(frame, out);
-        int seen = 0, wrong = 0;
+        DPL_RETURN_IF_ERROR(clean(frame, out));
+        int seen = 0, wrong = 0, huge = 0;
         for (size_t side = 0; side < 2; ++side) {
             const size_t wrist = handJoint(side, kWrist), index = handJoint(side, kIndexProximal),
                          little = handJoint(side, kLittleProximal), middle = handJoint(side, kMiddleProximal);
@@ -83,11 +84,13 @@ public:
                 const bool other = glm::dot(back, out.rotations[wrist] * Vec3f(0, 1, 0)) < 0;
                 const float palm = glm::length(from(out.tracked[middle] ? middle : index));
                 ++seen;
-                wrong += other;
+                wrong += other, huge += palm > kPalmInOtherUnits;
                 usable = !other && palm > kShortestPalmM && palm < kLongestPalmM;
             }
             for (size_t j = 0; j < kHandJoints && !usable; ++j) out.tracked[handJoint(side, j)] = 0;
         }
+        if (seen > 0 && huge == seen)
+            return fail(Code::CorruptData, "palms are metres long: metres are needed, these look like centimetres or millimetres");
         if (seen == 2 && wrong == 2) return fail(Code::CorruptData, "left and right hand are swapped: both thumbs lie on the wrong side");
         return {};
     }
@@ -101,7 +104,8 @@ class MediapipePoseSource final : public TrackSource {
 public:
     MediapipePoseSource() : TrackSource(trackedJoints(TrackFormat::MediapipePose)) {}
     Status read(const TrackFrame& frame, CleanFrame& out) override {
-        clean(frame, points_);
+        DPL_RETURN_IF_ERROR(clean(frame, points_));
+        DPL_RETURN_IF_ERROR(checkUnit());
         bonesFromPoints(points_.positions, points_.tracked, bones_);
         if (bones_.swapped) return fail(Code::CorruptData, "left and right of the points are swapped, as in a mirrored picture");
         out.rotations = bones_.rotations;
@@ -119,6 +123,18 @@ private:
         DPL_TRY(TrackSkeleton made, TrackSkeleton::create(trackedJoints(TrackFormat::Vrm), {}));  // points are turned into VRM's bones
         skeleton_.emplace(std::move(made));
         return {};
+    }
+
+    /** Shoulders are some 0.3 m apart. */
+    Status checkUnit() const {
+        constexpr size_t kLeftShoulder = 11, kRightShoulder = 12;
+        constexpr float kWidestM = 3;
+        if (!points_.tracked[kLeftShoulder] || !points_.tracked[kRightShoulder]) return {};
+        const float across = glm::length(points_.positions[kLeftShoulder] - points_.positions[kRightShoulder]);
+        if (across < kWidestM) return {};
+        return fail(Code::CorruptData,
+                    "shoulders are {} m apart: metres are needed (world landmarks); these look like pixels, centimetres or millimetres",
+                    across);
     }
 
     std::optional<TrackSkeleton> skeleton_;
@@ -156,7 +172,8 @@ Result<std::unique_ptr<TrackSource>> TrackSource::create(TrackFormat format, con
     CleanFrame pose;
     if (given) {
         DPL_RETURN_IF_ERROR(source->checkSizes(rest));
-        source->clean(rest, pose);
+        if (const Status usable = source->clean(rest, pose); !usable)
+            return fail(Code::InvalidArgument, "rest: {}", usable.error().message);
     }
     DPL_RETURN_IF_ERROR(source->start(pose));
     return source;
@@ -175,14 +192,16 @@ Status TrackSource::checkSizes(const TrackFrame& frame) const {
     return {};
 }
 
-void TrackSource::clean(const TrackFrame& frame, CleanFrame& out) const {
+Status TrackSource::clean(const TrackFrame& frame, CleanFrame& out) const {
     const size_t count = table_.size();
     out.rotations.assign(count, Quatf(1, 0, 0, 0));
     out.positions.assign(count, Vec3f(0));
     out.tracked.assign(count, 0);
+    size_t usable = 0, far = 0;
     for (size_t j = 0; j < count; ++j) {
         const float* p = frame.positions.data() + 3 * j;
         if (!frame.confidence.empty() && !(frame.confidence[j] >= kTracked)) continue;
+        if (isUsable(p, 3, kFarthestNumber)) ++usable, far += !isUsable(p, 3, kFarthestM);
         if (!isUsable(p, 3, kFarthestM)) continue;
         if (!frame.rotations.empty()) {
             const float* r = frame.rotations.data() + 4 * j;
@@ -196,6 +215,10 @@ void TrackSource::clean(const TrackFrame& frame, CleanFrame& out) const {
         turnAxes(out.rotations[j], out.positions[j]);
         out.tracked[j] = 1;
     }
+    if (far >= kManyFar)
+        return fail(Code::CorruptData, "{} of {} joints lie farther away than {} m: metres are needed, these look like millimetres", far,
+                    usable, kFarthestM);
+    return {};
 }
 
 }  // namespace dpl

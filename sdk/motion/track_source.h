@@ -39,8 +39,8 @@ public:
 protected:
     explicit TrackSource(std::span<const TrackedJoint> table) : table_(table) {}
     /** Joints whose confidence is below 0.5, or that have a number that is not finite, a rotation without length or a place beyond 1 km,
-     * are not tracked. The spans of the frame must fit the format. `out` is reused. */
-    void clean(const TrackFrame& frame, CleanFrame& out) const;
+     *  are not tracked. The spans of the frame must fit the format. `out` is reused. CorruptData: many joints lie 1 to 100 km away. */
+    Status clean(const TrackFrame& frame, CleanFrame& out) const;
     enum class RestPose { Needed, Optional, None };
 
     std::span<const TrackedJoint> table_;

@@ -7,8 +7,9 @@
 namespace dpl {
 namespace {
 
-constexpr double kRestartNs = 1e9;  // a stream that goes back by more has a new clock
-constexpr float kPushS = 0.05f;     // in which hands give way to the body, and come back
+constexpr double kRestartNs = 1e9;   // a stream that goes back by more has a new clock
+constexpr uint32_t kLateInARow = 4;  // frames that rise below the last one: its time was wrong, or the clock was set back
+constexpr float kPushS = 0.05f;      // in which hands give way to the body, and come back
 constexpr float kMovesRadPerS = 0.5f;
 
 float medianOf(std::vector<float>& values) {
@@ -36,13 +37,16 @@ Result<std::unique_ptr<Tracker>> Tracker::create(std::vector<JointData> joints, 
 Status Tracker::add(const TrackFrame& given) {
     DPL_RETURN_IF_ERROR(source_->checkSizes(given));
     if (clock_.any && given.timeNs <= clock_.lastNs) {
-        if (double(clock_.lastNs) - double(given.timeNs) <= kRestartNs) {
+        lateInARow_ = lateInARow_ > 0 && given.timeNs > lastLateNs_ ? lateInARow_ + 1 : 1;
+        lastLateNs_ = given.timeNs;
+        if (lateInARow_ < kLateInARow && double(clock_.lastNs) - double(given.timeNs) <= kRestartNs) {
             ++status_.framesDropped;
             return {};
         }
         driver_->restart();
         clock_.any = false;
     }
+    lateInARow_ = 0;
     const StreamClock before = clock_;
     const float stepS = clock_.any ? secondsBetween(clock_.lastNs, given.timeNs) : 0.0f;
     clock_.lastNs = given.timeNs;

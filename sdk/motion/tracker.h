@@ -55,6 +55,8 @@ private:
     std::unique_ptr<TrackSource> source_;
     std::unique_ptr<TrackDriver> driver_;  // refers to both above
     StreamClock clock_;
+    uint32_t lateInARow_ = 0;  // frames before the last one that rise among themselves
+    int64_t lastLateNs_ = 0;
     std::optional<ArmGuard> guard_;
     ArmGuard::Pushes pushed_{};
     CleanFrame frame_;

@@ -466,6 +466,7 @@ TEST(Tracker, anotherSkeletonIsRefused) {
     EXPECT_FALSE(Tracker::create(avatarRig(), TrackFormat::ArkitBody, {}, {})) << "ARKit's rest must be given";
     EXPECT_FALSE(Tracker::create(avatarRig(), TrackFormat(6), {}, {}));
     auto nameless = avatarRig();
+    nameless.resize(6);  // a trunk without limbs
     for (JointData& joint : nameless) joint.humanoidBone.clear(), joint.name = "bone";
     EXPECT_EQ(Tracker::create(nameless, TrackFormat::Vrm, {}, {}).error().code, Code::Unsupported);
     Stream lying = stream;
@@ -495,6 +496,95 @@ TEST(Tracker, lateFramesAreDroppedAndANewClockBeginsANewStream) {
         (void)posed(*tracker, extreme, avatarRig().size());
         (void)posed(*tracker, ~extreme, avatarRig().size());
     }
+}
+
+TEST(Tracker, oneTimeStampFarAheadCostsFewFrames) {
+    const auto rig = performerRig();
+    Stream stream(TrackFormat::Vrm, rig, 3);
+    const auto tracker = trackerFor(stream, TrackFormat::Vrm);
+    for (int k = 0; k < 60; ++k) {
+        const int64_t wrongNs = k == 30 ? 900'000'000 : 0;  // less than a second, so no other clock by itself
+        stream.show(swing(rig, k / 30.0));
+        EXPECT_TRUE(tracker->add(stream.frame(kStartNs + k * kSecond / 30 + wrongNs)));
+        (void)posed(*tracker, kStartNs + k * kSecond / 30, avatarRig().size());
+        if (k < 35) continue;
+        EXPECT_EQ(tracker->status().state, TrackerState::Tracking) << k;
+    }
+    EXPECT_EQ(tracker->status().framesDropped, 3u);
+    EXPECT_EQ(tracker->status().framesTaken, 57u);
+}
+
+/** Every number of a stream's places in another unit. */
+void inUnit(Stream& stream, float unitsPerMetre, bool restToo) {
+    for (float& p : stream.positions) p *= unitsPerMetre;
+    if (restToo)
+        for (float& p : stream.restPositions) p *= unitsPerMetre;
+}
+
+TEST(Tracker, otherUnitsThanMetresAreRefusedBySentence) {
+    const auto rig = performerRig();
+    for (const TrackFormat format : {TrackFormat::Vrm, TrackFormat::Unity, TrackFormat::ArkitBody, TrackFormat::FbBody,
+                                     TrackFormat::OpenxrHands, TrackFormat::MediapipePose})
+        for (const float units : {100.0f, 1000.0f}) {
+            SCOPED_TRACE(std::string(nameOf(format)) + formatText(", {} units a metre", units));
+            Stream stream(format, rig, 3);
+            const auto tracker = trackerFor(stream, format);
+            ASSERT_TRUE(tracker);
+            stream.show(swing(rig, 0.3));
+            Stream other = stream;
+            inUnit(other, units, false);
+            const Status taken = tracker->add(other.frame(kStartNs));
+            ASSERT_FALSE(taken);
+            EXPECT_EQ(taken.error().code, Code::CorruptData);
+            EXPECT_NE(taken.error().message.find("metres are needed"), std::string::npos) << taken.error().message;
+            EXPECT_TRUE(tracker->add(stream.frame(kStartNs + kSecond))) << "metres go on";
+            if (!stream.needsRest()) continue;
+            inUnit(other, 1, false), other.restPositions = stream.restPositions;
+            for (float& p : other.restPositions) p *= units;
+            const auto made = Tracker::create(avatarRig(), format, {}, other.rest());
+            ASSERT_FALSE(made) << "a rest pose";
+            EXPECT_NE(made.error().message.find("metres are needed"), std::string::npos) << made.error().message;
+        }
+    Stream stream(TrackFormat::Vrm, rig, 3);  // without a rest pose, the standard T-pose tells the size
+    auto made = Tracker::create(avatarRig(), TrackFormat::Vrm, {}, {});
+    ASSERT_TRUE(made);
+    stream.show(swing(rig, 0.3));
+    EXPECT_TRUE((*made)->add(stream.frame(kStartNs)));
+    Stream small = stream;
+    inUnit(small, 0.3f, false);
+    EXPECT_TRUE((*made)->add(small.frame(kStartNs + kSecond))) << "half a metre high, a figure of a game";
+    inUnit(stream, 100, false);
+    EXPECT_FALSE((*made)->add(stream.frame(kStartNs + 2 * kSecond)));
+}
+
+/** The picture of a front camera: x is mirrored, and a network names the sides by what it sees, or the program mirrors the points only. */
+TEST(Tracker, mirroredFrontCameras) {
+    const auto rig = performerRig();
+    const auto mirror = [](Stream& s) {
+        for (size_t p = 0; p < s.positions.size(); p += 3) s.positions[p] = -s.positions[p];
+    };
+    Stream stream(TrackFormat::MediapipePose, rig, 3);
+    const auto tracker = trackerFor(stream, TrackFormat::MediapipePose);
+    Performer avatar{avatarRig(), {}, {}}, twin{rig, {}, {}};
+    for (int k = 0; k < 30; ++k) {
+        // A mirror image with sides named anew is a person who moves as in a mirror.
+        Pose pose = swing(rig, k / 30.0);
+        stream.show(pose);
+        Stream pointsOnly = stream;
+        mirror(pointsOnly);
+        const Status refused = tracker->add(pointsOnly.frame(kStartNs + k * kSecond / 30));
+        ASSERT_FALSE(refused) << "mirrored points whose names are not exchanged";
+        EXPECT_NE(refused.error().message.find("mirrored picture"), std::string::npos);
+        swapSides(TrackFormat::MediapipePose, pointsOnly);
+        ASSERT_TRUE(tracker->add(pointsOnly.frame(kStartNs + k * kSecond / 30)));
+        avatar.show(posed(*tracker, kStartNs + k * kSecond / 30, avatar.rig.size()));
+    }
+    const auto directionOf = [](const Performer& p, const std::string& side) {
+        return glm::normalize(p.positions[p.at(side + "Hand")] - p.positions[p.at(side + "UpperArm")]);
+    };
+    twin.show(swing(rig, 29 / 30.0));
+    for (const auto& [shown, mirrored] : {std::pair("left", "right"), {"right", "left"}})
+        EXPECT_LT(degreesBetween(directionOf(avatar, shown), directionOf(twin, mirrored) * Vec3f(-1, 1, 1)), 12.0f) << shown;
 }
 
 TEST(Tracker, bonesThatAModelLacksGoWithTheirCarriers) {
