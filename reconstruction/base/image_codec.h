@@ -7,6 +7,8 @@
 
 #include <cstdint>
 #include <span>
+#include <string>
+#include <string_view>
 #include <vector>
 
 #include "sdk/core/result.h"
@@ -20,13 +22,29 @@ struct Picture {
 };
 
 enum class PictureChannels : uint8_t {
-    AsStored,  // 1, 3 or 4; a palette becomes RGB, grey with alpha becomes RGBA
-    Rgb,       // always 3; grey is repeated, alpha is dropped
+    AsStored,  // numbers as they are, for masks and labels. 1, 3 or 4; a palette becomes RGB, grey with alpha becomes RGBA
+    Rgb,       // sRGB, always 3; grey is repeated, alpha is dropped
+    Rgba,      // sRGB and alpha, always 4; 255 where the file has no alpha
 };
 
-/** Decodes a JPEG or PNG. 16-bit channels are rounded to 8 bits. EXIF orientation is ignored because intrinsics refer to the pixels as
- *  stored. CorruptData: the bytes are damaged. Unsupported: neither format, or a JPEG in CMYK. Errors do not name the file. */
-Result<Picture> decodePicture(std::span<const uint8_t> file, PictureChannels channels);
+/** What a file states of its colours, apart from sRGB. */
+struct PictureColours {
+    std::string converted;  // the space from which Rgb and Rgba are converted: "Display P3", "CMYK"; empty: none
+    std::string unread;     // a profile of tables, or a damaged one, which is not read: the numbers are taken for sRGB; empty: none
+};
+
+/** Decodes a JPEG or PNG. 16-bit channels are rounded to 8 bits. Rgb and Rgba are sRGB: an embedded ICC profile of curves and a matrix is
+ *  applied; CMYK becomes RGB without a profile. EXIF orientation is ignored because intrinsics refer to the pixels as stored. `colours` may
+ *  be null. CorruptData: the bytes are damaged, the compressed pixels of a JPEG included. Unsupported: neither format. Errors do not name
+ *  the file. */
+Result<Picture> decodePicture(std::span<const uint8_t> file, PictureChannels channels, PictureColours* colours = nullptr);
+
+/** Data of the first chunk of a type in a PNG ("eXIf"); empty: there is none, it is no PNG, or it is cut short. */
+std::span<const uint8_t> pngChunk(std::span<const uint8_t> file, const char (&type)[5]);
+
+/** Payload of the first segment of a JPEG before its pixels that has this marker and begins with `start`, without `start`; else empty.
+ * `from`: where to search on, which is set behind the segment; begin with 0. */
+std::span<const uint8_t> jpegSegment(std::span<const uint8_t> file, uint8_t marker, std::string_view start, size_t& from);
 
 /** PNG bytes. channels: 1, 3 or 4. InvalidArgument: other channels, or pixels.size() is zero or not widthPx · heightPx · channels. */
 Result<std::vector<uint8_t>> encodePng(std::span<const uint8_t> pixels, uint32_t widthPx, uint32_t heightPx, uint32_t channels);

@@ -125,11 +125,19 @@ Result<ImageHeader> probeImage(const fs::path& path) {
     return walk.header;
 }
 
-Status checkCompleteImage(Bytes bytes, const fs::path& path) {
+namespace {
+
+Result<ImageHeader> completeHeader(Bytes bytes, const fs::path& path) {
     DPL_TRY(const Walk walk, walkImage(bytes, true, path));
-    if (!walk.complete)
-        return fail(Code::CorruptData, "{}: the file is truncated ({} bytes without an end); copy the image again", path.string(),
-                    bytes.size());
+    if (walk.complete) return walk.header;
+    return fail(Code::CorruptData, "{}: the file is truncated ({} bytes without an end); copy the image again", path.string(),
+                bytes.size());
+}
+
+}  // namespace
+
+Status checkCompleteImage(Bytes bytes, const fs::path& path) {
+    DPL_RETURN_IF_ERROR(completeHeader(bytes, path));
     return {};
 }
 
@@ -137,6 +145,11 @@ Result<std::vector<uint8_t>> readCompleteImage(const fs::path& path) {
     DPL_TRY(auto bytes, readBytes(path, kMaxFileBytes));
     DPL_RETURN_IF_ERROR(checkCompleteImage(bytes, path));
     return bytes;
+}
+
+Result<ImageHeader> probeCompleteImage(const fs::path& path) {
+    DPL_TRY(const auto bytes, readBytes(path, kMaxFileBytes));
+    return completeHeader(bytes, path);
 }
 
 }  // namespace dpl

@@ -21,6 +21,9 @@ Result<ImageHeader> probeImage(const std::filesystem::path& path);
  *  to the end. Truncated files are refused, because decoders fill the missing part with grey without an error. */
 Result<std::vector<uint8_t>> readCompleteImage(const std::filesystem::path& path);
 
+/** Size of a picture that is complete: the checks of readCompleteImage. */
+Result<ImageHeader> probeCompleteImage(const std::filesystem::path& path);
+
 /** The checks of readCompleteImage on bytes that were read already. */
 Status checkCompleteImage(std::span<const uint8_t> bytes, const std::filesystem::path& path);
 

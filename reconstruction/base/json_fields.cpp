@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "reconstruction/base/json_fields.h"
 
+#include <algorithm>
 #include <cmath>
 #include <fstream>
 
@@ -8,6 +9,10 @@ namespace dpl {
 
 namespace fs = std::filesystem;
 using nlohmann::json;
+
+namespace {
+constexpr size_t kMaxNameBytes = 128;
+}
 
 Result<json> parseJsonObject(std::string_view text, const std::string& where) {
     json value;
@@ -54,25 +59,70 @@ Result<fs::path> fileInside(const fs::path& root, const std::string& relative, s
     return whole;
 }
 
+namespace {
+
+bool isPlain(char c) {
+    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '.' || c == '_' || c == '-';
+}
+
+/** Bytes of the character at the start of `text` if it can stand in a name: plain ASCII, or well-formed UTF-8 from U+00A0 on that neither
+ *  breaks lines nor turns the direction of writing. 0: it cannot. */
+size_t nameCharacterBytes(std::string_view text) {
+    const auto byte = [&](size_t i) { return uint32_t(static_cast<unsigned char>(text[i])); };
+    if (byte(0) < 0x80) return isPlain(text[0]) ? 1 : 0;
+    const size_t count = byte(0) >= 0xf0 ? 4 : byte(0) >= 0xe0 ? 3 : 2;
+    if (byte(0) < 0xc2 || byte(0) > 0xf4 || count > text.size()) return 0;
+    uint32_t code = byte(0) & (0xffu >> (count + 1));
+    for (size_t i = 1; i < count; ++i) {
+        if ((byte(i) & 0xc0) != 0x80) return 0;
+        code = code << 6 | (byte(i) & 0x3f);
+    }
+    constexpr uint32_t kSmallest[] = {0, 0, 0xa0, 0x800, 0x10000};
+    const bool surrogate = code >= 0xd800 && code <= 0xdfff;
+    const bool layout = (code >= 0x200b && code <= 0x200f) || (code >= 0x2028 && code <= 0x202e) || (code >= 0x2066 && code <= 0x2069);
+    return code < kSmallest[count] || code > 0x10ffff || surrogate || layout || code == 0xfeff ? 0 : count;
+}
+
+}  // namespace
+
 bool isSafeName(std::string_view name) {
-    if (name.empty() || name.size() > 128 || name.front() == '.') return false;
-    for (const char c : name) {
-        const bool plain = (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '.' || c == '_' || c == '-';
-        if (!plain) return false;
+    if (name.empty() || name.size() > kMaxNameBytes || name.front() == '.') return false;
+    while (!name.empty()) {
+        const size_t bytes = nameCharacterBytes(name);
+        if (bytes == 0) return false;
+        name.remove_prefix(bytes);
     }
     return true;
 }
 
+std::string withSlashes(std::string path) {
+    std::replace(path.begin(), path.end(), '\\', '/');
+    return path;
+}
+
 std::string nameFromPath(std::string_view relativePath) {
-    std::string name(relativePath);
-    for (const char* prefix : {"./", "images/"})
-        if (name.starts_with(prefix)) name.erase(0, std::string_view(prefix).size());
-    const size_t slash = name.find_last_of('/'), dot = name.find_last_of('.');
-    if (dot != std::string::npos && dot > 0 && (slash == std::string::npos || dot > slash + 1)) name.erase(dot);
-    for (char& c : name)
-        if (!isSafeName({&c, 1}) && c != '.') c = '_';
+    const std::string whole = withSlashes(std::string(relativePath));
+    std::string_view left = whole;
+    for (const std::string_view prefix : {"./", "images/"})
+        if (left.starts_with(prefix)) left.remove_prefix(prefix.size());
+    const size_t slash = left.find_last_of('/'), dot = left.find_last_of('.');
+    if (dot != std::string_view::npos && dot > 0 && (slash == std::string_view::npos || dot > slash + 1)) left = left.substr(0, dot);
+    std::string name;
+    while (!left.empty()) {
+        const size_t bytes = nameCharacterBytes(left), taken = std::max<size_t>(bytes, 1);
+        if (name.size() + taken > kMaxNameBytes) break;
+        name += bytes > 0 ? left.substr(0, bytes) : "_";
+        left.remove_prefix(taken);
+    }
     if (!name.empty() && name.front() == '.') name.front() = '_';
-    return name.substr(0, 128);
+    return name;
+}
+
+std::string numberedName(const std::string& name, size_t number) {
+    const std::string suffix = formatText("_{}", number);
+    size_t end = std::min(name.size(), kMaxNameBytes - suffix.size());
+    while (end > 0 && end < name.size() && (static_cast<unsigned char>(name[end]) & 0xc0) == 0x80) --end;  // not inside a character
+    return name.substr(0, end) + suffix;
 }
 
 bool JsonFields::has(const char* key) const {
@@ -80,16 +130,26 @@ bool JsonFields::has(const char* key) const {
     return found != object_.end() && !found->is_null();
 }
 
-Result<double> JsonFields::number(const char* key) const {
-    if (!has(key)) return fail(Code::CorruptData, "{}: '{}' is missing; add the number", where_, key);
+bool JsonFields::states(const char* key) const {
+    if (!has(key)) return false;
     const json& value = object_.at(key);
+    if (value.is_boolean()) return value.get<bool>();
+    if (value.is_number()) return value.get<double>() != 0;
+    return !value.is_string() || (value != "" && value != "0" && value != "false" && value != "False");
+}
+
+Result<double> JsonFields::number(const char* key) const {
+    if (!object_.contains(key)) return fail(Code::CorruptData, "{}: '{}' is missing; add the number", where_, key);
+    const json& value = object_.at(key);
+    if (value.is_null())  // what JavaScript writes for a number that is not finite
+        return fail(Code::CorruptData, "{}: '{}' is null, not a finite number; write the number, or remove the field", where_, key);
     if (!value.is_number() || !std::isfinite(value.get<double>()))
         return fail(Code::CorruptData, "{}: '{}' is not a finite number; correct it", where_, key);
     return value.get<double>();
 }
 
 Result<double> JsonFields::number(const char* key, double otherwise) const {
-    if (!has(key)) return otherwise;
+    if (!object_.contains(key)) return otherwise;
     return number(key);
 }
 

@@ -23,10 +23,15 @@ Result<nlohmann::json> parseJsonObject(std::string_view text, const std::string&
 /** Returns root / relative. Refuses a path that is absolute, contains "..", or is not an existing regular file. */
 Result<std::filesystem::path> fileInside(const std::filesystem::path& root, const std::string& relative, std::string_view where);
 
-/** At most 128 letters, digits, '.', '_' and '-', without a leading dot. Frame names must be safe because stages use them as file names. */
+/** At most 128 bytes: letters and signs of any script in UTF-8, and of ASCII letters, digits, '.', '_' and '-', without a leading dot.
+ * Frame names must be safe because stages use them as file names. */
 bool isSafeName(std::string_view name);
 /** A safe frame name from a picture's path: "images/left cam/IMG 1.jpg" -> "left_cam_IMG_1". */
 std::string nameFromPath(std::string_view relativePath);
+/** The name with "_2" behind it, cut so that it stays safe: for a second picture of one name. */
+std::string numberedName(const std::string& name, size_t number);
+/** A path with '/' where programs on Windows wrote a backslash. */
+std::string withSlashes(std::string path);
 
 /** Typed access to the fields of one JSON object. Errors name the place, `where`. Keeps a reference to the object. */
 class JsonFields {
@@ -34,9 +39,10 @@ public:
     JsonFields(const nlohmann::json& object, std::string where) : object_(object), where_(std::move(where)) {}
 
     const std::string& where() const { return where_; }
-    bool has(const char* key) const;               // present and not null
-    Result<double> number(const char* key) const;  // finite
-    Result<double> number(const char* key, double otherwise) const;
+    bool has(const char* key) const;                                 // present and not null
+    bool states(const char* key) const;                              // present, and neither null nor false nor 0 nor a text that says so
+    Result<double> number(const char* key) const;                    // finite; null is an error
+    Result<double> number(const char* key, double otherwise) const;  // `otherwise` where the key is absent
     Result<std::string> text(const char* key) const;
     Result<std::string> text(const char* key, const std::string& otherwise) const;
     Result<bool> boolean(const char* key, bool otherwise) const;

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "reconstruction/base/zip_file.h"
 
+#include <zlib.h>
+
+#include <algorithm>
 #include <cstring>
 
 #include "reconstruction/base/inflate.h"
@@ -44,7 +47,7 @@ Result<ZipFile> ZipFile::open(std::span<const uint8_t> bytes) {
             return fail(Code::CorruptData, "'{}' lies outside the file", name);
         const uint64_t begin = uint64_t(offset) + 30 + valueAt<uint16_t>(bytes, offset + 26) + valueAt<uint16_t>(bytes, offset + 28);
         if (begin > bytes.size() || stored > bytes.size() - begin) return fail(Code::CorruptData, "'{}' is cut short", name);
-        file.entries_[name] = {bytes.subspan(size_t(begin), stored), plain, method == 8};
+        file.entries_[name] = {bytes.subspan(size_t(begin), stored), plain, valueAt<uint32_t>(e, 16), method == 8};
     }
     return file;
 }
@@ -65,12 +68,18 @@ Result<std::vector<uint8_t>> ZipFile::read(const std::string& name, size_t maxBy
     if (found == entries_.end()) return fail(Code::NotFound, "'{}' is missing", name);
     const Entry& entry = found->second;
     if (entry.plainBytes > maxBytes) return fail(Code::Unsupported, "'{}' has {} bytes, the limit is {}", name, entry.plainBytes, maxBytes);
-    if (!entry.deflated) return std::vector<uint8_t>(entry.stored.begin(), entry.stored.end());
-    auto plain = inflateBytes(entry.stored, DeflateWrapper::Raw, entry.plainBytes + 1);  // one more, so that a longer stream is noticed
-    if (!plain) return fail(plain.error().code, "'{}': {}", name, plain.error().message);
-    if (plain->size() != entry.plainBytes)
-        return fail(Code::CorruptData, "'{}' unpacks to {} bytes, the directory says {}", name, plain->size(), entry.plainBytes);
-    return plain;
+    std::vector<uint8_t> bytes(entry.deflated ? 0 : entry.stored.size());
+    if (entry.deflated) {
+        auto plain = inflateBytes(entry.stored, DeflateWrapper::Raw, entry.plainBytes + 1);  // one more, so that a longer stream is noticed
+        if (!plain) return fail(plain.error().code, "'{}': {}", name, plain.error().message);
+        bytes = std::move(*plain);
+    } else {
+        std::copy(entry.stored.begin(), entry.stored.end(), bytes.begin());
+    }
+    if (bytes.size() != entry.plainBytes)
+        return fail(Code::CorruptData, "'{}' unpacks to {} bytes, the directory says {}", name, bytes.size(), entry.plainBytes);
+    if (crc32_z(0, bytes.data(), bytes.size()) != entry.crc) return fail(Code::CorruptData, "'{}' is damaged: its checksum is wrong", name);
+    return bytes;
 }
 
 }  // namespace dpl

@@ -22,13 +22,14 @@ public:
     std::vector<std::string> names() const;
     /** Bytes of an entry once unpacked, as the directory states them; 0 if there is none. */
     size_t plainBytes(const std::string& name) const;
-    /** Unpacks one entry, of at most `maxBytes`. Allocates no more than the size that the directory states. */
+    /** Unpacks one entry, of at most `maxBytes`, and checks its CRC-32. Allocates no more than the size that the directory states. */
     Result<std::vector<uint8_t>> read(const std::string& name, size_t maxBytes) const;
 
 private:
     struct Entry {
         std::span<const uint8_t> stored;
         size_t plainBytes = 0;
+        uint32_t crc = 0;
         bool deflated = false;
     };
     std::map<std::string, Entry> entries_;
