@@ -68,13 +68,21 @@ Status checkDistortion(const LensDistortion& lens, const Camerad& camera, std::s
     if (std::abs(lens.p1) > 0.1 || std::abs(lens.p2) > 0.1)
         return fail(Code::CorruptData, "{}: tangential distortion ({}, {}) is implausibly large; undistort the images first", where,
                     lens.p1, lens.p2);
-    // Invertible if d/dr of r(1 + k1 r² + k2 r⁴) is positive out to the farthest corner.
+    // Invertible if d/dr of r(1 + k1 r² + k2 r⁴) is positive out to the farthest corner. Real lenses stay between 0.2 and 2.
+    constexpr double kFolds = 0.05, kSteepest = 4;
     const double x = std::max(camera.cx, camera.widthPx - camera.cx) / camera.fx,
                  y = std::max(camera.cy, camera.heightPx - camera.cy) / camera.fy;
     const double corner2 = x * x + y * y;
     for (int i = 1; i <= 64; ++i) {
         const double r2 = corner2 * i / 64;
-        if (1 + 3 * lens.k1 * r2 + 5 * lens.k2 * r2 * r2 <= 0.05)
+        const double slope = 1 + 3 * lens.k1 * r2 + 5 * lens.k2 * r2 * r2;
+        if (slope > kSteepest)
+            return fail(
+                Code::CorruptData,
+                "{}: the lens model (k1 = {}, k2 = {}) stretches the edge of the image {} times, which no lens does; calibrate again "
+                "or undistort the images first",
+                where, lens.k1, lens.k2, slope);
+        if (slope <= kFolds)
             return fail(Code::Unsupported,
                         "{}: the lens model (k1 = {}, k2 = {}) folds over inside the image; undistort the images first, for example with "
                         "'colmap image_undistorter'",

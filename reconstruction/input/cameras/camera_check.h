@@ -21,7 +21,8 @@ struct LensDistortion {
  * rotation orthonormal to double precision. `where` starts the message: file and frame. */
 Status checkCamera(Camerad& camera, std::string_view where);
 
-/** Refuses non-finite coefficients, |p1| or |p2| above 0.1, and a model that is not invertible inside the picture. */
+/** Refuses non-finite coefficients, |p1| or |p2| above 0.1, and a model that is not invertible inside the picture or stretches it more than
+ *  four times there. */
 Status checkDistortion(const LensDistortion& lens, const Camerad& camera, std::string_view where);
 
 }  // namespace dpl

@@ -5,6 +5,7 @@
 #include <array>
 #include <fstream>
 #include <map>
+#include <utility>
 
 #include "reconstruction/input/cameras/camera_convention.h"
 #include "sdk/core/numbers.h"
@@ -144,12 +145,23 @@ Result<Cameras> readCamerasText(const fs::path& path, std::string_view text) {
     return cameras;
 }
 
+/** Whether a line holds an image's 2D points: nothing, or triples of numbers. A line of an image has ten words. */
+bool isPointsLine(std::string_view line) {
+    size_t words = 0;
+    for (std::string_view word = nextWord(line); !word.empty(); word = nextWord(line), ++words)
+        if (double ignored = 0; !readNumber(word, ignored)) return false;
+    return words % 3 == 0;
+}
+
 Result<std::vector<ColmapImage>> readImagesText(const fs::path& path, std::string_view text, const Cameras& cameras) {
     std::vector<ColmapImage> images;
     Lines lines{text};
     std::string_view line;
+    bool pointsMayFollow = false;
     for (size_t number = 1; lines.next(line); ++number) {
-        if (line.empty() || line.front() == '#') continue;
+        if (!line.empty() && line.front() == '#') continue;
+        if (std::exchange(pointsMayFollow, false) && isPointsLine(line)) continue;
+        if (line.find_first_not_of(" \t") == std::string_view::npos) continue;
         uint32_t id = 0, cameraId = 0;
         std::array<double, 4> q{};
         Vec3d t{0};
@@ -160,8 +172,7 @@ Result<std::vector<ColmapImage>> readImagesText(const fs::path& path, std::strin
             return fail(Code::CorruptData, "{} line {}: 'id qw qx qy qz tx ty tz camera name' is expected; export the model again",
                         path.string(), number);
         DPL_RETURN_IF_ERROR(addImage(images, cameras, std::string(line.substr(begin)), cameraId, q, t, path.string()));
-        lines.next(line);  // skip the image's 2D points, one line that may be empty
-        ++number;
+        pointsMayFollow = true;
     }
     return images;
 }
@@ -238,18 +249,56 @@ Error namingFile(const Error& error, const fs::path& path) {
     return fail(error.code, "{}: {}; the file is cut or damaged, export the model again", path.string(), error.message);
 }
 
+/** Folders of a folder: 0, 1, … 10 by their number, then the others by name. At most 1000. */
+std::vector<fs::path> numberedFoldersFirst(const fs::path& folder) {
+    constexpr size_t kMaxFolders = 1000;
+    std::vector<std::pair<uint64_t, fs::path>> found;
+    std::error_code error;
+    for (fs::directory_iterator at(folder, error), end; !error && at != end && found.size() < kMaxFolders; at.increment(error)) {
+        std::error_code ignored;
+        uint64_t number = UINT64_MAX;
+        if (!at->is_directory(ignored)) continue;
+        (void)readNumber(at->path().filename().string(), number);
+        found.emplace_back(number, at->path());
+    }
+    std::sort(found.begin(), found.end());
+    std::vector<fs::path> folders;
+    for (auto& [number, path] : found) folders.push_back(std::move(path));
+    return folders;
+}
+
 }  // namespace
 
-fs::path findColmapModel(const fs::path& root) {
+bool isColmapModel(const fs::path& folder) {
     std::error_code ignored;
-    for (const char* inside : {"sparse/0", "sparse", "colmap/sparse/0", "."}) {
-        const fs::path folder = root / inside;
-        for (const char* extension : {".bin", ".txt"})
-            if (fs::exists(folder / (std::string("cameras") + extension), ignored) &&
-                fs::exists(folder / (std::string("images") + extension), ignored))
-                return folder;
+    for (const char* extension : {".bin", ".txt"})
+        if (fs::is_regular_file(folder / (std::string("cameras") + extension), ignored) &&
+            fs::is_regular_file(folder / (std::string("images") + extension), ignored))
+            return true;
+    return false;
+}
+
+std::vector<ColmapModelFolder> findColmapModels(const fs::path& root) {
+    std::vector<ColmapModelFolder> models;
+    for (const char* inside : {"sparse", "colmap/sparse"}) {
+        for (const fs::path& folder : numberedFoldersFirst(root / inside))
+            if (isColmapModel(folder)) models.push_back({folder, 0});
+        if (isColmapModel(root / inside)) models.push_back({root / inside, 0});
+        if (!models.empty()) break;
     }
-    return {};
+    if (models.empty() && isColmapModel(root)) models.push_back({root, 0});
+    if (models.size() < 2) return models;
+    for (ColmapModelFolder& model : models) {
+        const auto images = readColmapModel(model.folder);
+        model.images = images ? images->size() : 0;
+    }
+    std::stable_sort(models.begin(), models.end(), [](const auto& a, const auto& b) { return a.images > b.images; });
+    return models;
+}
+
+fs::path findColmapModel(const fs::path& root) {
+    const auto models = findColmapModels(root);
+    return models.empty() ? fs::path() : models.front().folder;
 }
 
 Result<std::vector<ColmapImage>> decodeColmapModel(const ColmapBytes& bytes, const fs::path& folder) {

@@ -18,10 +18,23 @@ struct ColmapImage {
     LensDistortion lens;
 };
 
-/** The folder of a model inside a scan folder: the first of sparse/0, sparse, colmap/sparse/0 and the root that has one; else empty. */
+struct ColmapModelFolder {
+    std::filesystem::path folder;
+    size_t images = 0;  // registered; 0 where it is the only model, which is not counted, or is damaged
+};
+
+/** The models of a project's folder, the one with the most images first: those in sparse and its folders; if there is none, those in
+ *  colmap/sparse and its folders; else the folder itself. Where images are equal, sparse/0 comes before sparse/1 and before sparse. */
+std::vector<ColmapModelFolder> findColmapModels(const std::filesystem::path& root);
+
+/** The first of findColmapModels(); empty when there is none. */
 std::filesystem::path findColmapModel(const std::filesystem::path& root);
 
-/** Reads images.bin and cameras.bin, or images.txt and cameras.txt if there is no images.bin. Images are sorted by name. Camera models
+/** Whether a folder holds the two files of a model, both binary or both text. */
+bool isColmapModel(const std::filesystem::path& folder);
+
+/** Reads images.bin and cameras.bin, or images.txt and cameras.txt if there is no images.bin. The lines of 2D points in images.txt may be
+ *  missing. Images are sorted by name. Camera models
  *  SIMPLE_PINHOLE, PINHOLE, SIMPLE_RADIAL, RADIAL and OPENCV are read; others are Unsupported. At most 1 GiB per file and 100,000 images.
  *  Errors name file, entry and remedy. */
 Result<std::vector<ColmapImage>> readColmapModel(const std::filesystem::path& folder);

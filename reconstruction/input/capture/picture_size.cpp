@@ -48,11 +48,27 @@ Result<bool> fitToPicture(Camerad& camera, const ImageHeader& picture, const std
     return true;
 }
 
+Result<bool> fitToPictureFile(Camerad& camera, const std::filesystem::path& image, const std::string& where) {
+    DPL_TRY(const ImageHeader header, probeImage(image));
+    return fitToPicture(camera, header, image, where);
+}
+
+Status checkMaskSize(const ImageHeader& mask, const ImageHeader& picture, const std::filesystem::path& file) {
+    if (mask.widthPx == picture.widthPx && mask.heightPx == picture.heightPx) return {};
+    return fail(Code::CorruptData, "{} is {} x {} pixels, its picture {} x {}; give the mask the size of the picture", file.string(),
+                mask.widthPx, mask.heightPx, picture.widthPx, picture.heightPx);
+}
+
+void addAssumption(Scan& scan, const std::string& sentence) {
+    if (sentence.empty()) return;
+    if (!scan.assumed.empty()) scan.assumed += "; ";
+    scan.assumed += sentence;
+}
+
 void noteScaledCameras(Scan& scan, size_t frames) {
     if (frames == 0) return;
-    if (!scan.assumed.empty()) scan.assumed += "; ";
-    scan.assumed += formatText("{} of {} pictures have another size than their camera states, and the same shape: the camera is scaled",
-                               frames, scan.frames.size());
+    addAssumption(scan, formatText("{} of {} pictures have another size than their camera states, and the same shape: the camera is scaled",
+                                   frames, scan.frames.size()));
 }
 
 }  // namespace dpl

@@ -16,6 +16,15 @@ Status takeSize(Camerad& camera, const JsonFields& fields, const char* widthKey,
  *  it was. CorruptData: another shape. */
 Result<bool> fitToPicture(Camerad& camera, const ImageHeader& picture, const std::filesystem::path& image, const std::string& where);
 
+/** fitToPicture() of a picture whose size is read. Errors also of the picture. */
+Result<bool> fitToPictureFile(Camerad& camera, const std::filesystem::path& image, const std::string& where);
+
+/** CorruptData: a mask has another size than its picture. */
+Status checkMaskSize(const ImageHeader& mask, const ImageHeader& picture, const std::filesystem::path& file);
+
+/** Adds a sentence to what the import and the reconstruction print of a scan. Empty: adds nothing. */
+void addAssumption(Scan& scan, const std::string& sentence);
+
 /** Adds to the scan's assumptions that `frames` cameras were scaled. */
 void noteScaledCameras(Scan& scan, size_t frames);
 

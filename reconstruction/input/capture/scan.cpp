@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <map>
 #include <set>
 
 #include "reconstruction/base/image_file.h"
-#include "reconstruction/input/cameras/colmap_model.h"
 #include "reconstruction/input/capture/scan_readers.h"
 
 namespace dpl {
@@ -29,6 +30,40 @@ void holdOutFrames(Scan& scan) {
 }
 
 }  // namespace
+
+void LeftOut::add(const fs::path& picture, const Error& why) {
+    names_.push_back(picture.generic_string());
+    if (!first_) first_ = why;
+}
+
+std::string LeftOut::sentence(size_t all, const char* what) const {
+    constexpr size_t kMaxNamed = 8;
+    if (names_.empty()) return {};
+    std::string text;
+    for (size_t i = 0; i < std::min(names_.size(), kMaxNamed); ++i) text += (i > 0 ? ", " : "") + names_[i];
+    return formatText("{} of {} {} are left out: {}{} ({}{})", names_.size(), all, what, text, names_.size() > kMaxNamed ? ", ..." : "",
+                      names_.size() > 1 ? "the first: " : "", first_->message);
+}
+
+Status LeftOut::check(size_t kept) const {
+    if (kept == 0 && first_) return *first_;
+    return {};
+}
+
+void numberEqualNames(std::vector<ScanFrame>& frames) {
+    std::set<std::string> taken;
+    for (const ScanFrame& frame : frames) taken.insert(frame.name);
+    std::map<std::string, fs::path> first;
+    for (ScanFrame& frame : frames) {
+        const auto [at, fresh] = first.emplace(frame.name, frame.imagePath);
+        if (fresh || at->second == frame.imagePath) continue;  // finishScan() refuses one picture for two frames
+        for (size_t number = 2;; ++number)
+            if (std::string name = numberedName(frame.name, number); taken.insert(name).second) {
+                frame.name = std::move(name);
+                break;
+            }
+    }
+}
 
 Status finishScan(Scan& scan) {
     const std::string root = scan.root.string();
@@ -68,7 +103,8 @@ Result<Scan> readAny(const fs::path& given) {
     const auto holds = [&](const char* name) { return manifest.empty() ? fs::exists(root / name, error) : manifest.filename() == name; };
     if (holds("scan.json")) return readScanFolder(root / "scan.json");
     if (holds("transforms.json")) return readNerfstudio(root / "transforms.json");
-    if (const fs::path above = colmapRoot(root); !above.empty() && manifest.empty()) return readColmapScan(above, findColmapModel(above));
+    if (manifest.empty())
+        if (const auto project = findColmapProject(root)) return readColmapScan(*project);
     return fail(Code::NotFound,
                 "{}: neither scan.json nor transforms.json nor a COLMAP model (sparse/0/cameras.bin) is there; see docs/formats/scan.md",
                 given.string());

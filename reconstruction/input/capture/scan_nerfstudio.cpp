@@ -26,12 +26,50 @@ Result<double> eitherNumber(const JsonFields& frame, const JsonFields& file, con
 }
 
 Result<fs::path> imageOf(const fs::path& root, const std::string& relative, const std::string& where) {
-    if (fs::path(relative).has_extension()) return fileInside(root, relative, where);
-    for (const char* extension : {".jpg", ".jpeg", ".png"}) {  // Blender's files omit the extension
-        std::error_code ignored;
+    std::error_code ignored;
+    if (fs::path(relative).has_extension() && fs::exists(root / relative, ignored)) return fileInside(root, relative, where);
+    for (const char* extension : {".jpg", ".jpeg", ".png"})  // Blender's files omit the extension, and a name may have a point
         if (fs::exists(root / (relative + extension), ignored)) return fileInside(root, relative + extension, where);
-    }
     return fileInside(root, relative, where);
+}
+
+/** Refuses lenses that are not Brown's, as the file or one of its frames states them: nerfstudio by camera_model, instant-ngp by keys of
+ *  its own. */
+Status checkLensModel(const JsonFields& fields) {
+    const auto unread = [&](const std::string& what) {
+        return fail(Code::Unsupported, "{}: {} is not read; undistort the images first, for example with 'colmap image_undistorter'",
+                    fields.where(), what);
+    };
+    DPL_TRY(const std::string model, fields.text("camera_model", "OPENCV"));
+    if (model != "PINHOLE" && model != "SIMPLE_PINHOLE" && model != "OPENCV" && model != "SIMPLE_RADIAL" && model != "RADIAL")
+        return unread(formatText("camera_model '{}'", model.substr(0, 60)));
+    for (const char* key : {"is_fisheye", "latlong", "equirectangular", "ftheta_p0", "ftheta_p1"})
+        if (fields.states(key)) return unread(formatText("the lens that '{}' states, which is no OPENCV lens,", key));
+    return {};
+}
+
+/** Focal lengths in pixels that a frame or a file states, or from angles across the picture. 0: not stated. */
+struct Focal {
+    double x = 0, y = 0;
+};
+Result<Focal> focalOf(const JsonFields& fields, double width, double height) {
+    Focal focal;
+    const auto fromAngle = [](double angleRad, double side) { return angleRad > 0 ? 0.5 * side / std::tan(0.5 * angleRad) : 0; };
+    DPL_TRY(const double angleX, fields.number("camera_angle_x", 0));
+    DPL_TRY(const double angleY, fields.number("camera_angle_y", 0));
+    DPL_TRY(focal.x, fields.number("fl_x", fromAngle(angleX, width)));
+    DPL_TRY(focal.y, fields.number("fl_y", fields.has("fl_x") ? 0 : fromAngle(angleY, height)));
+    return focal;
+}
+
+/** The focal lengths of a frame: its own before the file's, and square pixels unless something else is stated. */
+Status readFocal(const JsonFields& frame, const JsonFields& file, Camerad& camera) {
+    DPL_TRY(const Focal own, focalOf(frame, camera.widthPx, camera.heightPx));
+    DPL_TRY(const Focal shared, focalOf(file, camera.widthPx, camera.heightPx));
+    const bool angleOfItsOwn = own.x != 0 && !frame.has("fl_x");
+    camera.fx = own.x != 0 ? own.x : shared.x;  // 0 is refused by checkCamera, which names fx
+    camera.fy = own.y != 0 ? own.y : shared.y != 0 && !angleOfItsOwn ? shared.y : camera.fx;
+    return {};
 }
 
 Status readIntrinsics(const JsonFields& frame, const JsonFields& file, const ImageHeader& header, Camerad& camera, LensDistortion& lens) {
@@ -40,10 +78,7 @@ Status readIntrinsics(const JsonFields& frame, const JsonFields& file, const Ima
     if (!(width >= 1 && height >= 1 && width <= 65536 && height <= 65536))
         return fail(Code::CorruptData, "{}: w, h = {}, {} is not a size in pixels; correct it", frame.where(), width, height);
     camera.widthPx = uint32_t(width), camera.heightPx = uint32_t(height);
-    DPL_TRY(const double angleX, eitherNumber(frame, file, "camera_angle_x", 0));
-    const double fromAngle = angleX > 0 ? 0.5 * width / std::tan(0.5 * angleX) : 0;  // 0 is refused by checkCamera, which names fx
-    DPL_TRY(camera.fx, eitherNumber(frame, file, "fl_x", fromAngle));
-    DPL_TRY(camera.fy, eitherNumber(frame, file, "fl_y", camera.fx));
+    DPL_RETURN_IF_ERROR(readFocal(frame, file, camera));
     DPL_TRY(camera.cx, eitherNumber(frame, file, "cx", 0.5 * width));
     DPL_TRY(camera.cy, eitherNumber(frame, file, "cy", 0.5 * height));
     DPL_TRY(lens.k1, eitherNumber(frame, file, "k1", 0));
@@ -86,7 +121,7 @@ Result<std::map<std::string, Split>> readSplits(const JsonFields& fields) {
         DPL_TRY(const json* list, fields.array(key));
         for (const json& name : *list) {
             if (!name.is_string()) return fail(Code::CorruptData, "{}: '{}' must be a list of file paths; correct it", fields.where(), key);
-            const auto [at, fresh] = splits.emplace(name.get<std::string>(), split);
+            const auto [at, fresh] = splits.emplace(withSlashes(name.get<std::string>()), split);
             if (!fresh && at->second != split && at->second == Split::Train)
                 return fail(Code::CorruptData, "{}: '{}' is both in a train and a test list; keep it in one", fields.where(),
                             at->first.substr(0, 200));
@@ -126,6 +161,26 @@ Result<NerfWorld> readWorld(const JsonFields& fields, char upIfUnstated) {
     return world;
 }
 
+/** Paths of a frame's picture and mask, and the picture's size. NotFound, CorruptData, Unsupported: one of them cannot be read, so that the
+ *  frame is left out. InvalidArgument: a path that is not allowed. */
+Result<ImageHeader> readFiles(const JsonFields& fields, const std::string& relative, const NerfstudioFiles& files, ScanFrame& frame) {
+    const auto allowed = [](Result<fs::path> path) -> Result<fs::path> {
+        if (path || path.error().code != Code::CorruptData) return path;
+        return Error{Code::InvalidArgument, path.error().message};
+    };
+    DPL_TRY(frame.imagePath, allowed(files.picture(relative, fields.where() + ": 'file_path'")));
+    if (fields.has("mask_path")) {
+        const auto mask = fields.text("mask_path");
+        if (!mask) return Error{Code::InvalidArgument, mask.error().message};
+        DPL_TRY(frame.maskPath, allowed(files.mask(withSlashes(*mask), fields.where() + ": 'mask_path'")));
+    }
+    DPL_TRY(const ImageHeader header, files.header(frame.imagePath));
+    if (frame.maskPath.empty()) return header;
+    DPL_TRY(const ImageHeader mask, files.header(frame.maskPath));
+    DPL_RETURN_IF_ERROR(checkMaskSize(mask, header, frame.maskPath));
+    return header;
+}
+
 FrameKind kindFromName(const std::string& name) {
     if (name.starts_with("close")) return FrameKind::StaticCloseup;
     if (name.starts_with("dyn")) return FrameKind::Dynamic;
@@ -137,11 +192,7 @@ FrameKind kindFromName(const std::string& name) {
 Result<Scan> parseNerfstudio(const json& manifest, const fs::path& manifestPath, const NerfstudioFiles& files, char up) {
     const std::string file = manifestPath.string();
     JsonFields fields(manifest, file);
-    DPL_TRY(const std::string model, fields.text("camera_model", "OPENCV"));
-    if (model != "PINHOLE" && model != "SIMPLE_PINHOLE" && model != "OPENCV" && model != "SIMPLE_RADIAL" && model != "RADIAL")
-        return fail(Code::Unsupported,
-                    "{}: camera_model '{}' is not read; undistort the images first, for example with 'colmap image_undistorter'", file,
-                    model.substr(0, 60));
+    DPL_RETURN_IF_ERROR(checkLensModel(fields));
     DPL_TRY(NerfWorld world, readWorld(fields, up));
     Scan scan;
     scan.source = ScanSource::Nerfstudio;
@@ -157,29 +208,18 @@ Result<Scan> parseNerfstudio(const json& manifest, const fs::path& manifestPath,
         return fail(Code::Unsupported, "{}: {} frames, at most {} are read; remove some frames from the scan", file, frames->size(),
                     kMaxFrames);
     size_t scaled = 0;
+    LeftOut left;
     for (size_t i = 0; i < frames->size(); ++i) {
         const json& entry = (*frames)[i];
         const std::string where = formatText("{} frame {}", file, i);
         if (!entry.is_object()) return fail(Code::CorruptData, "{} is not an object; correct it", where);
         JsonFields fieldsHere(entry, where);
+        DPL_RETURN_IF_ERROR(checkLensModel(fieldsHere));
         ScanFrame frame;
-        DPL_TRY(const std::string relative, fieldsHere.text("file_path"));
+        DPL_TRY(const std::string stated, fieldsHere.text("file_path"));
+        const std::string relative = withSlashes(stated);
         frame.name = nameFromPath(relative);
         frame.kind = kindFromName(frame.name);
-        DPL_TRY(frame.imagePath, files.picture(relative, where + ": 'file_path'"));
-        if (fieldsHere.has("mask_path")) {
-            DPL_TRY(const std::string mask, fieldsHere.text("mask_path"));
-            DPL_TRY(frame.maskPath, files.mask(mask, where + ": 'mask_path'"));
-        }
-        DPL_TRY(const ImageHeader header, files.header(frame.imagePath));
-        DPL_RETURN_IF_ERROR(readIntrinsics(fieldsHere, fields, header, frame.camera, frame.lens));
-        DPL_RETURN_IF_ERROR(readPose(entry, where, frame.camera));
-        if (world.zUp) turnZUpWorld(frame.camera);
-        const std::string named = formatText("{} ('{}')", where, frame.name);
-        DPL_RETURN_IF_ERROR(checkCamera(frame.camera, named));
-        DPL_RETURN_IF_ERROR(checkDistortion(frame.lens, frame.camera, named));
-        DPL_TRY(const bool fitted, fitToPicture(frame.camera, header, frame.imagePath, named));
-        scaled += fitted;
         if (scan.splitStated) {
             const auto found = splits.find(relative);
             if (found == splits.end())
@@ -187,9 +227,30 @@ Result<Scan> parseNerfstudio(const json& manifest, const fs::path& manifestPath,
                             where, relative.substr(0, 200));
             frame.split = found->second;
         }
+        const auto header = readFiles(fieldsHere, relative, files, frame);
+        if (!header) {
+            if (header.error().code == Code::InvalidArgument) return header.error();
+            left.add(relative, header.error());
+            continue;
+        }
+        DPL_RETURN_IF_ERROR(readIntrinsics(fieldsHere, fields, *header, frame.camera, frame.lens));
+        DPL_RETURN_IF_ERROR(readPose(entry, where, frame.camera));
+        if (world.zUp) turnZUpWorld(frame.camera);
+        const std::string named = formatText("{} ('{}')", where, frame.name);
+        DPL_RETURN_IF_ERROR(checkCamera(frame.camera, named));
+        DPL_RETURN_IF_ERROR(checkDistortion(frame.lens, frame.camera, named));
+        const auto fitted = fitToPicture(frame.camera, *header, frame.imagePath, named);
+        if (!fitted) {
+            left.add(relative, fitted.error());
+            continue;
+        }
+        scaled += *fitted;
         scan.frames.push_back(std::move(frame));
     }
+    DPL_RETURN_IF_ERROR(left.check(scan.frames.size()));
+    addAssumption(scan, left.sentence(frames->size()));
     noteScaledCameras(scan, scaled);
+    numberEqualNames(scan.frames);
     return scan;
 }
 
@@ -199,7 +260,7 @@ Result<Scan> readNerfstudio(const fs::path& manifestPath, char up) {
     NerfstudioFiles files;
     files.picture = [&](const std::string& relative, const std::string& where) { return imageOf(root, relative, where); };
     files.mask = [&](const std::string& relative, const std::string& where) { return fileInside(root, relative, where); };
-    files.header = probeImage;
+    files.header = probeCompleteImage;
     DPL_TRY(Scan scan, parseNerfstudio(manifest, manifestPath, files, up));
     DPL_RETURN_IF_ERROR(finishScan(scan));
     return scan;

@@ -5,7 +5,9 @@
 #include <filesystem>
 #include <functional>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
+#include <vector>
 
 #include "reconstruction/base/image_file.h"
 #include "reconstruction/base/json_fields.h"
@@ -30,9 +32,33 @@ struct NerfstudioFiles {
 /** Frames and cameras of a manifest, before finishScan(). */
 Result<Scan> parseNerfstudio(const nlohmann::json& manifest, const std::filesystem::path& path, const NerfstudioFiles& files,
                              char up = 'y');
-/** The folder of a COLMAP model's pictures when `folder` is it, its sparse or its sparse/0; `folder` itself when neither images/ nor input/
- * is near; empty when there is no model. */
-std::filesystem::path colmapRoot(const std::filesystem::path& folder);
-Result<Scan> readColmapScan(const std::filesystem::path& root, const std::filesystem::path& model);
+/** Where a COLMAP model and its pictures lie. */
+struct ColmapProject {
+    std::filesystem::path root;   // of masks; images or input lies in it, or it holds the pictures itself
+    std::filesystem::path model;  // folder of cameras and images
+    std::string note;             // which models were left and how to take them; empty: there is no other
+};
+/** The project at `folder`: a project's folder, its sparse, one of its models, or COLMAP's dense folder or one that holds it. A model that
+ *  is named is taken; else the one with the most images. Nothing when there is no model. */
+std::optional<ColmapProject> findColmapProject(const std::filesystem::path& folder);
+Result<Scan> readColmapScan(const ColmapProject& project);
+
+/** Makes the names of frames unique: the second "a" becomes "a_2". */
+void numberEqualNames(std::vector<ScanFrame>& frames);
+
+/** Pictures that are left out because they cannot be read, so that one of them does not sink the rest. */
+class LeftOut {
+public:
+    void add(const std::filesystem::path& picture, const Error& why);
+    bool empty() const { return names_.empty(); }
+    /** "2 of 9 pictures are left out: a.jpg, b.jpg (why the first)". Empty when none is. */
+    std::string sentence(size_t all, const char* what = "pictures") const;
+    /** The first picture's error when nothing was kept. */
+    Status check(size_t kept) const;
+
+private:
+    std::vector<std::string> names_;
+    std::optional<Error> first_;
+};
 
 }  // namespace dpl

@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "reconstruction/input/import/exif.h"
 
+#include <algorithm>
 #include <cmath>
-#include <cstring>
 #include <optional>
+
+#include "reconstruction/base/image_codec.h"
 
 namespace dpl {
 namespace {
@@ -13,24 +15,6 @@ using Bytes = std::span<const uint8_t>;
 constexpr uint16_t kOrientation = 274, kExifDirectory = 34665, kFocalLength35Mm = 41989;
 constexpr uint16_t kShort = 3, kLong = 4;
 constexpr int kMaxEntries = 1024;
-
-/** The payload of the first APP1 segment that begins with "Exif\0\0", or nothing. */
-Bytes exifSegment(Bytes jpeg) {
-    if (jpeg.size() < 4 || jpeg[0] != 0xff || jpeg[1] != 0xd8) return {};
-    for (size_t at = 2; at + 4 <= jpeg.size() && jpeg[at] == 0xff;) {
-        const uint8_t marker = jpeg[at + 1];
-        if (marker == 0xff) {  // fill byte
-            ++at;
-            continue;
-        }
-        const size_t length = size_t(jpeg[at + 2]) << 8 | jpeg[at + 3];
-        if (marker == 0xda || length < 2 || at + 2 + length > jpeg.size()) return {};
-        const Bytes payload = jpeg.subspan(at + 4, length - 2);
-        if (marker == 0xe1 && payload.size() >= 6 && std::memcmp(payload.data(), "Exif\0\0", 6) == 0) return payload.subspan(6);
-        at += 2 + length;
-    }
-    return {};
-}
 
 /** A TIFF structure: numbers in the byte order of its header, directories of 12-byte entries. */
 class Tiff {
@@ -71,9 +55,14 @@ private:
 
 }  // namespace
 
-ExifFields readExif(Bytes jpeg) {
+ExifFields readExif(Bytes picture) {
     ExifFields fields;
-    const Tiff tiff(exifSegment(jpeg));
+    constexpr std::string_view kStart("Exif\0\0", 6);
+    size_t from = 0;
+    Bytes data = jpegSegment(picture, 0xe1, kStart, from);
+    if (data.empty()) data = pngChunk(picture, "eXIf");
+    if (data.size() > kStart.size() && std::equal(kStart.begin(), kStart.end(), data.begin())) data = data.subspan(kStart.size());
+    const Tiff tiff(data);
     const uint32_t first = tiff.firstDirectory();
     if (const auto orientation = tiff.number(first, kOrientation); orientation && *orientation >= 1 && *orientation <= 8)
         fields.orientation = int(*orientation);

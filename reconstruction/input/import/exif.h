@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Orientation and focal length from the EXIF data of a JPEG. Follows Exif 2.32 (CIPA DC-008) and TIFF 6.0.
+// Orientation and focal length from the EXIF data of a JPEG or PNG. Follows Exif 2.32 (CIPA DC-008), TIFF 6.0 and the PNG chunk eXIf.
 #pragma once
 
 #include <cstdint>
@@ -12,9 +12,9 @@ struct ExifFields {
     double focalLength35Mm = 0;  // FocalLengthIn35mmFilm (tag 41989); 0: not stated
 };
 
-/** Reads the EXIF segment of a JPEG. Missing or damaged data give the default values: EXIF never makes a picture unreadable. Looks at no
- *  more than the first 64 KiB segment and 1024 directory entries, and allocates nothing. */
-ExifFields readExif(std::span<const uint8_t> jpeg);
+/** Reads the first EXIF segment of a JPEG, or the eXIf chunk of a PNG. Missing or damaged data give the default values: EXIF never makes a
+ *  picture unreadable. Looks at no more than 1024 directory entries and allocates nothing. */
+ExifFields readExif(std::span<const uint8_t> picture);
 
 /** Focal length in pixels. The 35 mm equivalent compares diagonals: that of 35 mm film is 43.27 mm. */
 double focalFrom35Mm(double focalLength35Mm, uint32_t widthPx, uint32_t heightPx);

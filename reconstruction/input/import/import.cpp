@@ -44,14 +44,15 @@ Result<Capture> readLayout(const CaptureLayout& layout, const ImportOptions& opt
             return fail(Code::InvalidArgument, "{} is a scan folder already; run doppel reconstruct {} -o OUT", layout.root.string(),
                         shellWord(layout.root));
         case CaptureKind::Nerfstudio:
-        case CaptureKind::Colmap:
             return readKnownScan(layout.root);
+        case CaptureKind::Colmap:
+            return readKnownScan(layout.part.empty() ? layout.root : layout.part);
         case CaptureKind::Neuman:
             return readNeuman(layout.root);
         case CaptureKind::NerfSynthetic:
             return readNerfSynthetic(layout.root);
         case CaptureKind::Polycam:
-            return readPolycam(layout.root);
+            return readPolycam(layout.root, layout.part.filename().string());
         case CaptureKind::Record3dFolder:
             return readRecord3d(layout.root);
         case CaptureKind::Record3dFile:

@@ -46,7 +46,7 @@ Result<Capture> readNerfSynthetic(const fs::path& root) {
          {std::pair{"transforms_train.json", Split::Train}, {"transforms_val.json", Split::Test}, {"transforms_test.json", Split::Test}}) {
         if (split == Split::Test && !fs::exists(root / name, ignored)) continue;
         DPL_TRY(const Scan part, readNerfstudio(root / name, 'z'));
-        if (split == Split::Train && !part.assumed.empty()) capture.notes.push_back(part.assumed);
+        if (!part.assumed.empty()) capture.notes.push_back(part.assumed);
         capture.metricWorld &= part.metricWorld, capture.unitStated &= part.unitStated;
         for (const ScanFrame& frame : part.frames) {
             CapturePicture picture = pictureOf(frame);

@@ -25,12 +25,19 @@ bool isFolder(const fs::path& path) {
     return fs::is_directory(path, ignored);
 }
 
-/** The folder that holds keyframes/, or nothing. */
-fs::path polycamRoot(const fs::path& folder) {
-    for (const fs::path& root : {folder, folder.parent_path()})
-        if (isFolder(root / "keyframes/cameras") || isFolder(root / "keyframes/corrected_cameras"))
-            if (root == folder || folder.filename() == "keyframes") return root;
-    return {};
+/** A Polycam capture whose folder, keyframes or one of the folders in it is given. */
+std::optional<CaptureLayout> polycamAt(const fs::path& folder) {
+    const auto holdsKeyframes = [](const fs::path& root) {
+        return isFolder(root / "keyframes/cameras") || isFolder(root / "keyframes/corrected_cameras");
+    };
+    if (holdsKeyframes(folder)) return CaptureLayout{CaptureKind::Polycam, folder};
+    const fs::path above = folder.parent_path();
+    if (folder.filename() == "keyframes" && holdsKeyframes(above)) return CaptureLayout{CaptureKind::Polycam, above};
+    const std::string name = folder.filename().string();
+    const bool part = name == "cameras" || name == "images" || name == "corrected_cameras" || name == "corrected_images";
+    if (part && above.filename() == "keyframes" && holdsKeyframes(above.parent_path()))
+        return CaptureLayout{.kind = CaptureKind::Polycam, .root = above.parent_path(), .part = folder};
+    return std::nullopt;
 }
 
 fs::path calibrationIn(const fs::path& folder) {
@@ -104,13 +111,14 @@ Result<CaptureLayout> recogniseFile(const fs::path& path, const fs::path& given)
 
 std::optional<CaptureLayout> recogniseFolder(const fs::path& path) {
     if (isFile(path / "scan.json")) return CaptureLayout{CaptureKind::ScanFolder, path};
-    if (const fs::path root = polycamRoot(path); !root.empty()) return CaptureLayout{CaptureKind::Polycam, root};
+    if (auto polycam = polycamAt(path)) return polycam;
     if (isFile(path / "transforms.json")) return CaptureLayout{CaptureKind::Nerfstudio, path};
     if (isFile(path / "transforms_train.json")) return CaptureLayout{CaptureKind::NerfSynthetic, path};
     if ((isFile(path / "metadata.json") || isFile(path / "metadata")) && (isFolder(path / "rgb") || isFolder(path / "rgbd")))
         return CaptureLayout{CaptureKind::Record3dFolder, path};
     if (isNeuman(path)) return CaptureLayout{CaptureKind::Neuman, path};
-    if (const fs::path root = colmapRoot(path); !root.empty()) return CaptureLayout{CaptureKind::Colmap, root};
+    if (const auto project = findColmapProject(path))
+        return CaptureLayout{.kind = CaptureKind::Colmap, .root = project->root, .part = path == project->root ? fs::path() : path};
     const std::vector<fs::path> videos = videosIn(path);
     if (const fs::path file = calibrationIn(path); !file.empty() && !videos.empty())
         return CaptureLayout{CaptureKind::CalibratedVideos, path, file};

@@ -30,6 +30,7 @@ struct CaptureLayout {
     std::filesystem::path calibration = {};  // CalibratedVideos
     std::vector<std::string> notes = {};     // sentences about what was chosen and what is left out
     std::filesystem::path foundIn = {};      // the folder of the given one in which the capture lies; empty: the given one is the capture
+    std::filesystem::path part = {};         // Colmap, Polycam: the model or the keyframes that were given; empty: the reader chooses
 };
 
 /** Name of a layout for people. */

@@ -18,23 +18,31 @@ Result<Capture> readPhotos(const fs::path& folder, uint32_t longSidePx) {
     capture.what = "folder of photos";
     std::vector<double> focals;
     size_t reduced = 0;
-    for (const fs::path& image : picturesIn(folder)) {
+    LeftOut left;
+    const std::vector<fs::path> images = picturesIn(folder);
+    for (const fs::path& image : images) {
         if (capture.pictures.size() >= kMaxFrames)
             return fail(Code::Unsupported, "{}: more than {} pictures; remove some", folder.string(), kMaxFrames);
+        const auto bytes = readCompleteImage(image);
+        if (!bytes) {
+            left.add(image.filename(), bytes.error());
+            continue;
+        }
         CapturePicture picture;
         const std::string stem = image.stem().string();
         if (stem.starts_with("close")) picture.kind = FrameKind::StaticCloseup;
         if (stem.starts_with("dyn")) picture.kind = FrameKind::Dynamic;
         picture.name = frameName(picture.kind, capture.pictures.size());
         picture.image = image;
-        DPL_TRY(const auto bytes, readCompleteImage(image));
         DPL_TRY(const ImageHeader header, probeImage(image));
         const double shrink = std::min(1.0, double(longSidePx) / std::max(header.widthPx, header.heightPx));
         reduced += shrink < 1;
-        if (const ExifFields exif = readExif(bytes); exif.focalLength35Mm > 0)
+        if (const ExifFields exif = readExif(*bytes); exif.focalLength35Mm > 0)
             focals.push_back(shrink * focalFrom35Mm(exif.focalLength35Mm, header.widthPx, header.heightPx));
         capture.pictures.push_back(std::move(picture));
     }
+    DPL_RETURN_IF_ERROR(left.check(capture.pictures.size()));
+    if (!left.empty()) capture.notes.push_back(left.sentence(images.size()));
     if (reduced > 0)
         capture.notes.push_back(formatText("{} photos are reduced to {} pixels on their longer side (--long-side)", reduced, longSidePx));
     if (focals.empty()) {

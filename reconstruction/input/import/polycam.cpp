@@ -2,8 +2,10 @@
 // Polycam's raw data, as exported in developer mode. Follows github.com/PolyCam/polyform (README, "Raw data") and its reader
 // polyform/core/capture_folder.py. Every keyframe has a JSON file with intrinsics in pixels and the first three rows of a camera-to-world
 // matrix t_00 … t_23. The world is ARKit's: metres, +Y up. Camera axes are OpenGL's. The corrected_ folders hold what Polycam's own
-// optimisation made of them and are read where they exist. Newer versions of the app write no width and height there.
+// optimisation made of them; it may leave keyframes out, which are then taken uncorrected. Newer versions of the app write no width and
+// height there.
 #include <array>
+#include <map>
 
 #include "reconstruction/input/cameras/camera_convention.h"
 #include "reconstruction/input/capture/picture_size.h"
@@ -35,37 +37,89 @@ Result<Camerad> parsePolycamCamera(const json& object, const ImageHeader& pictur
     return camera;
 }
 
-Result<Capture> readPolycam(const fs::path& root) {
-    const fs::path keyframes = root / "keyframes";
-    std::error_code ignored;
-    const bool corrected =
-        fs::is_directory(keyframes / "corrected_cameras", ignored) && fs::is_directory(keyframes / "corrected_images", ignored);
-    const fs::path images = keyframes / (corrected ? "corrected_images" : "images");
-    const fs::path cameras = keyframes / (corrected ? "corrected_cameras" : "cameras");
+namespace {
+
+/** Picture and camera file of a keyframe, of which either may be missing. */
+struct Keyframe {
+    fs::path image, camera;
+    bool corrected = false;
+};
+
+/** The keyframes of one pair of folders, by name in natural order. */
+struct NaturalOrder {
+    bool operator()(const std::string& a, const std::string& b) const { return naturallyBefore(a, b); }
+};
+using Keyframes = std::map<std::string, Keyframe, NaturalOrder>;
+
+Keyframes keyframesIn(const fs::path& folder, bool corrected) {
+    const std::string prefix = corrected ? "corrected_" : "";
+    Keyframes found;
+    for (const fs::path& image : picturesIn(folder / (prefix + "images"))) found[image.stem().string()].image = image;
+    for (const fs::path& camera : filesWith(folder / (prefix + "cameras"), {".json"})) found[camera.stem().string()].camera = camera;
+    for (auto& [name, keyframe] : found) keyframe.corrected = corrected;
+    return found;
+}
+
+/** Reads one keyframe's camera for its picture. */
+Result<Camerad> readKeyframe(const Keyframe& keyframe) {
+    const std::string where = keyframe.camera.string();
+    DPL_TRY(const json object, readJsonObject(keyframe.camera));
+    DPL_TRY(const ImageHeader header, probeImage(keyframe.image));
+    DPL_TRY(Camerad camera, parsePolycamCamera(object, header, where));
+    DPL_RETURN_IF_ERROR(fitToPicture(camera, header, keyframe.image, where));
+    return camera;
+}
+
+}  // namespace
+
+Result<Capture> readPolycam(const fs::path& root, const std::string& part) {
+    constexpr size_t kMaxNamed = 8;
+    const fs::path folder = root / "keyframes";
+    const bool onlyCorrected = part.starts_with("corrected_"), onlyRaw = !part.empty() && !onlyCorrected;
+    Keyframes keyframes = onlyCorrected ? Keyframes() : keyframesIn(folder, false);
+    if (!onlyRaw)
+        for (const auto& [name, keyframe] : keyframesIn(folder, true))
+            if (!keyframe.image.empty() && !keyframe.camera.empty()) keyframes[name] = keyframe;
     Capture capture;
-    capture.what = corrected ? "Polycam raw data, corrected by Polycam" : "Polycam raw data, uncorrected";
-    size_t without = 0;
-    for (const fs::path& image : picturesIn(images)) {
-        const fs::path file = cameras / (image.stem().string() + ".json");
-        if (!fs::exists(file, ignored)) {
-            ++without;
+    size_t corrected = 0, withoutCamera = 0, withoutPicture = 0;
+    std::string raw;
+    LeftOut left;
+    for (const auto& [name, keyframe] : keyframes) {
+        withoutCamera += keyframe.camera.empty(), withoutPicture += keyframe.image.empty();
+        if (keyframe.camera.empty() || keyframe.image.empty()) continue;
+        if (capture.pictures.size() >= kMaxFrames)
+            return fail(Code::Unsupported, "{}: more than {} keyframes; remove some", folder.string(), kMaxFrames);
+        auto camera = readKeyframe(keyframe);
+        if (!camera) {
+            left.add(keyframe.image.filename(), camera.error());
             continue;
         }
-        if (capture.pictures.size() >= kMaxFrames)
-            return fail(Code::Unsupported, "{}: more than {} keyframes; remove some", images.string(), kMaxFrames);
-        DPL_TRY(const json object, readJsonObject(file));
         CapturePicture picture;
         picture.name = frameName(picture.kind, capture.pictures.size());
-        picture.image = image;
-        DPL_TRY(const ImageHeader header, probeImage(image));
-        DPL_TRY(picture.camera, parsePolycamCamera(object, header, file.string()));
-        DPL_RETURN_IF_ERROR(fitToPicture(*picture.camera, header, image, file.string()));
+        picture.image = keyframe.image;
+        picture.camera = *camera;
         capture.pictures.push_back(std::move(picture));
+        corrected += keyframe.corrected;
+        const size_t uncorrected = capture.pictures.size() - corrected;
+        if (!keyframe.corrected && uncorrected <= kMaxNamed + 1)
+            raw += (raw.empty() ? "" : ", ") + (uncorrected > kMaxNamed ? "..." : keyframe.image.filename().string());
     }
+    DPL_RETURN_IF_ERROR(left.check(capture.pictures.size()));
     if (capture.pictures.empty())
-        return fail(Code::CorruptData, "{}: no picture has a camera in {}; export the raw data again with Polycam's developer mode on",
-                    images.string(), cameras.string());
-    if (without > 0) capture.notes.push_back(formatText("{} pictures without a camera file are left out", without));
+        return fail(Code::CorruptData, "{}: no picture has a camera; export the raw data again with Polycam's developer mode on",
+                    folder.string());
+    const size_t uncorrected = capture.pictures.size() - corrected;
+    capture.what = uncorrected == 0 ? "Polycam raw data, corrected by Polycam"
+                   : corrected == 0 ? "Polycam raw data, uncorrected"
+                                    : "Polycam raw data, partly corrected by Polycam";
+    if (corrected > 0 && uncorrected > 0)
+        capture.notes.push_back(
+            formatText("{} of {} keyframes are taken uncorrected, because Polycam did not correct them: {}. To take the "
+                       "corrected ones alone, give {}",
+                       uncorrected, capture.pictures.size(), raw, (folder / "corrected_cameras").string()));
+    if (withoutCamera > 0) capture.notes.push_back(formatText("{} pictures without a camera file are left out", withoutCamera));
+    if (withoutPicture > 0) capture.notes.push_back(formatText("{} camera files without a picture are left out", withoutPicture));
+    if (!left.empty()) capture.notes.push_back(left.sentence(keyframes.size(), "keyframes"));
     return capture;
 }
 

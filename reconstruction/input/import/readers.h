@@ -10,7 +10,7 @@
 
 namespace dpl {
 
-/** nerfstudio, NeRFCapture and COLMAP folders, by the readers of reconstruction/input/capture. */
+/** nerfstudio, NeRFCapture and COLMAP folders (or one model of COLMAP's), by the readers of reconstruction/input/capture. */
 Result<Capture> readKnownScan(const std::filesystem::path& root);
 
 /** transforms_train.json and, where they exist, transforms_val.json and transforms_test.json. */
@@ -19,8 +19,9 @@ Result<Capture> readNerfSynthetic(const std::filesystem::path& root);
 /** A subject of the NeuMan data set. */
 Result<Capture> readNeuman(const std::filesystem::path& root);
 
-/** `root` holds keyframes/. */
-Result<Capture> readPolycam(const std::filesystem::path& root);
+/** `root` holds keyframes/. `part`: "corrected_cameras" or "corrected_images" takes keyframes that Polycam corrected, "cameras" or "images"
+ *  takes all uncorrected; otherwise all keyframes, corrected where they are. */
+Result<Capture> readPolycam(const std::filesystem::path& root, const std::string& part = "");
 /** Camera of one keyframe, of the size that the file states, else of its picture's. */
 Result<Camerad> parsePolycamCamera(const nlohmann::json& object, const ImageHeader& picture, const std::string& where);
 

@@ -65,13 +65,22 @@ Result<Capture> readRecord3dFile(const fs::path& file, const fs::path& unpacked)
     std::error_code error;
     fs::create_directories(unpacked / "rgbd", error);
     if (error) return fail(Code::Io, "cannot create {}: {}", unpacked.string(), error.message());
+    LeftOut damaged;
+    size_t wanted = 0;
     for (const std::string& name : zip->names()) {
         if (!isWanted(name)) continue;
+        ++wanted;
         auto plain = zip->read(name, kMaxEntryBytes);
-        if (!plain) return named(plain.error());
+        if (!plain && name == "metadata") return named(plain.error());
+        if (!plain) {
+            damaged.add(name, named(plain.error()));
+            continue;
+        }
         DPL_RETURN_IF_ERROR(writeFileAtomically(unpacked / name, *plain));
     }
-    return readRecord3d(unpacked);
+    DPL_TRY(Capture capture, readRecord3d(unpacked));
+    if (!damaged.empty()) capture.notes.push_back(damaged.sentence(wanted - 1));
+    return capture;
 }
 
 Result<Record3dFrames> parseRecord3d(const json& metadata, const ImageHeader& firstPicture, const std::string& where) {
@@ -116,17 +125,21 @@ Result<Capture> readRecord3d(const fs::path& root) {
     const fs::path file = root / (fs::exists(root / "metadata.json", ignored) ? "metadata.json" : "metadata");
     const fs::path pictures = root / (fs::is_directory(root / "rgb", ignored) ? "rgb" : "rgbd");
     DPL_TRY(const json metadata, readJsonObject(file));
+    const auto all = picturesIn(pictures);
     ImageHeader first;
     if (!metadata.contains("w") || !metadata.contains("h")) {
-        const auto all = picturesIn(pictures);
         if (all.empty())
             return fail(Code::CorruptData, "{} holds no picture; export the recording again as 'EXR + JPG sequence'", pictures.string());
-        DPL_TRY(first, probeImage(all.front()));
+        Result<ImageHeader> header = probeImage(all.front());
+        for (size_t i = 1; i < all.size() && !header; ++i) header = probeImage(all[i]);
+        if (!header) return header.error();
+        first = *header;
     }
     DPL_TRY(const Record3dFrames frames, parseRecord3d(metadata, first, file.string()));
     Capture capture;
     capture.what = "Record3D recording";
     size_t missing = 0;
+    LeftOut left;
     for (size_t i = 0; i < frames.cameras.size(); ++i) {
         CapturePicture picture;
         for (const char* extension : {".jpg", ".png"})
@@ -139,14 +152,19 @@ Result<Capture> readRecord3d(const fs::path& root) {
         picture.name = frameName(picture.kind, capture.pictures.size());
         picture.camera = frames.cameras[i];
         if (frames.framesPerSecond > 0) picture.timeS = double(i) / frames.framesPerSecond;
-        DPL_TRY(const ImageHeader header, probeImage(picture.image));
-        DPL_RETURN_IF_ERROR(fitToPicture(*picture.camera, header, picture.image, formatText("{} frame {}", file.string(), i)));
-        capture.pictures.push_back(std::move(picture));
+        if (const auto fitted = fitToPictureFile(*picture.camera, picture.image, formatText("{} frame {}", file.string(), i)); !fitted)
+            left.add(picture.image.filename(), fitted.error());
+        else
+            capture.pictures.push_back(std::move(picture));
     }
+    DPL_RETURN_IF_ERROR(left.check(capture.pictures.size()));
     if (capture.pictures.empty())
         return fail(Code::CorruptData, "{}: none of the {} frames has a picture in {}; export the recording again as 'EXR + JPG sequence'",
                     file.string(), frames.cameras.size(), pictures.string());
     if (missing > 0) capture.notes.push_back(formatText("{} frames without a picture are left out", missing));
+    const size_t posed = frames.cameras.size() - missing;
+    if (all.size() > posed) capture.notes.push_back(formatText("{} pictures without a pose are left out", all.size() - posed));
+    if (!left.empty()) capture.notes.push_back(left.sentence(frames.cameras.size()));
     return capture;
 }
 

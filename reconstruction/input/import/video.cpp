@@ -106,6 +106,43 @@ double rotationOf(const json& stream) {
     return 0;
 }
 
+/** Width over height of a stored pixel, "4:3"; 1 where it is not stated or square to half a percent, as from a rounded size. 0: damaged. */
+double pixelAspectOf(const json& stream) {
+    constexpr double kSquare = 0.005, kMost = 10;
+    const std::string text = textOf(stream, "sample_aspect_ratio");
+    const size_t colon = text.find(':');
+    double width = 0, height = 0;
+    if (colon == std::string::npos || !readNumber(std::string_view(text).substr(0, colon), width) ||
+        !readNumber(std::string_view(text).substr(colon + 1), height) || width == 0 || height == 0)
+        return 1;
+    const double aspect = width / height;
+    if (!(aspect >= 1 / kMost && aspect <= kMost)) return 0;
+    return std::abs(aspect - 1) <= kSquare ? 1 : aspect;
+}
+
+/** Seconds of "00:01:42.500000000", as Matroska's tags state the length of a stream; 0 for everything else. */
+double clockSeconds(std::string_view text) {
+    const size_t first = text.find(':'), second = text.find(':', std::min(first, text.size() - 1) + 1);
+    double hours = 0, minutes = 0, seconds = 0;
+    if (first == std::string_view::npos || second == std::string_view::npos || !readNumber(text.substr(0, first), hours) ||
+        !readNumber(text.substr(first + 1, second - first - 1), minutes) || !readNumber(text.substr(second + 1), seconds))
+        return 0;
+    return 3600 * hours + 60 * minutes + seconds;
+}
+
+/** How long a video lasts from its first frame on. Some containers state the time at which it ends, which is later if it starts late. */
+double durationOf(const json& stream, const json& format) {
+    if (const double own = numberOf(stream, "duration"); own > 0) return own;
+    double end = 0;
+    if (const auto tags = stream.find("tags"); tags != stream.end() && tags->is_object())
+        for (const auto& [key, value] : tags->items())
+            if (key.starts_with("DURATION") && value.is_string() && !value.get_ref<const std::string&>().empty())
+                end = clockSeconds(value.get_ref<const std::string&>());
+    if (end <= 0) end = numberOf(format, "duration");
+    const double start = std::max(0.0, numberOf(format, "start_time"));
+    return end > start ? end - start : end;
+}
+
 /** A frame's line of ffmpeg's metadata filter: "frame:12   pts:3072    pts_time:0.4". */
 bool parseFrameLine(std::string_view line, VideoFrame& frame) {
     const auto after = [&](std::string_view key) -> std::string_view {
@@ -135,8 +172,7 @@ Result<VideoInfo> probeVideo(const fs::path& path, const VideoWork& work) {
     std::error_code error;
     if (!fs::is_regular_file(path, error)) return fail(Code::NotFound, "{}: no such video", path.string());
     DPL_RETURN_IF_ERROR(checkStart(path));
-    std::vector<std::string> arguments = {"ffprobe",      "-v",  "error", "-select_streams", "v:0", "-show_streams",
-                                          "-show_format", "-of", "json"};
+    std::vector<std::string> arguments = {"ffprobe", "-v", "error", "-select_streams", "V", "-show_streams", "-show_format", "-of", "json"};
     const auto input = inputOptions(path);
     arguments.insert(arguments.end(), input.begin(), input.end());
     std::string answer;
@@ -155,11 +191,21 @@ Result<VideoInfo> probeVideo(const fs::path& path, const VideoWork& work) {
     if (!(width >= 16 && height >= 16))
         return fail(Code::Unsupported, "{}: ffmpeg does not know its codec ('{}'); convert it to H.264", path.string(), video.codec);
     DPL_RETURN_IF_ERROR(checkImageSize(uint64_t(width), uint64_t(height), path.string()));
-    video.widthPx = uint32_t(width), video.heightPx = uint32_t(height);
-    if (std::lround(std::abs(rotationOf(stream)) / 90) % 2 == 1) std::swap(video.widthPx, video.heightPx);
-    video.durationS = numberOf(stream, "duration");
+    const double aspect = pixelAspectOf(stream);
+    if (aspect == 0)
+        return fail(Code::CorruptData,
+                    "{} says that its pixels have the shape {}, which is damaged; convert it with ffmpeg -i IN -vf setsar=1 OUT",
+                    path.string(), textOf(stream, "sample_aspect_ratio"));
+    // The short side of a pixel is stretched, so that no detail is lost.
+    video.storedWidthPx = uint32_t(width), video.storedHeightPx = uint32_t(height);
+    video.widthPx = uint32_t(std::lround(width * std::max(1.0, aspect))),
+    video.heightPx = uint32_t(std::lround(height / std::min(1.0, aspect)));
+    DPL_RETURN_IF_ERROR(checkImageSize(video.widthPx, video.heightPx, path.string()));
+    if (std::lround(std::abs(rotationOf(stream)) / 90) % 2 == 1)
+        std::swap(video.widthPx, video.heightPx), std::swap(video.storedWidthPx, video.storedHeightPx);
+    video.otherStreams = probe["streams"].size() - 1;
     const json format = probe.value("format", json::object());
-    if (video.durationS <= 0) video.durationS = numberOf(format, "duration");
+    video.durationS = durationOf(stream, format);
     const std::string transfer = textOf(stream, "color_transfer");
     video.hdr = transfer == "arib-std-b67" || transfer == "smpte2084";
     const std::string matrix = textOf(stream, "color_space");
@@ -185,7 +231,7 @@ Result<VideoAnalysis> analyseVideo(const VideoInfo& video, const VideoWork& work
     const auto input = inputOptions(video.path);
     arguments.insert(arguments.end(), input.begin(), input.end());
     for (const std::string& word :
-         {std::string("-map"), std::string("0:v:0"), std::string("-vf"), filter, std::string("-fps_mode"), std::string("passthrough"),
+         {std::string("-map"), std::string("0:V:0"), std::string("-vf"), filter, std::string("-fps_mode"), std::string("passthrough"),
           std::string("-frames:v"), std::to_string(kMaxAnalysed), std::string("-f"), std::string("rawvideo"), raw.string()})
         arguments.push_back(word);
     VideoAnalysis analysis;
@@ -196,6 +242,11 @@ Result<VideoAnalysis> analyseVideo(const VideoInfo& video, const VideoWork& work
         if (work.progress && video.durationS > 0) (void)work.progress(0.6 * std::min(1.0, frame.timeS / video.durationS));
     }));
     const size_t frameBytes = size_t(width) * height;
+    std::error_code ignored;
+    if (const auto bytes = fs::file_size(raw, ignored); bytes < analysis.frames.size() * frameBytes)  // ffmpeg ends well on a full disk
+        return fail(Code::Io,
+                    "cannot write frames of {} to {}: {} of {} bytes are there; free some space, or choose another output with -o",
+                    video.path.string(), work.folder.string(), bytes, analysis.frames.size() * frameBytes);
     std::ifstream in(raw, std::ios::binary);
     std::vector<uint8_t> grey(frameBytes);
     MotionMeter meter(width, height);
@@ -207,7 +258,6 @@ Result<VideoAnalysis> analyseVideo(const VideoInfo& video, const VideoWork& work
             return fail(Code::Cancelled, "stopped while reading {}", video.path.string());
     }
     in.close();
-    std::error_code ignored;
     fs::remove(raw, ignored);
     analysis.frames.resize(analysis.motion.size());
     if (analysis.frames.empty())
@@ -242,7 +292,7 @@ Result<std::vector<fs::path>> extractFrames(const VideoInfo& video, const std::v
     const auto input = inputOptions(video.path);
     arguments.insert(arguments.end(), input.begin(), input.end());
     for (const std::string& word :
-         {std::string("-map"), std::string("0:v:0"), std::string("-vf"), filter, std::string("-fps_mode"), std::string("passthrough"),
+         {std::string("-map"), std::string("0:V:0"), std::string("-vf"), filter, std::string("-fps_mode"), std::string("passthrough"),
           std::string("-frames:v"), std::to_string(pts.size()), std::string("-c:v"), std::string("mjpeg"), std::string("-q:v"),
           std::string("2"), std::string("-start_number"), std::string("0"), std::string("-f"), std::string("image2"), pattern})
         arguments.push_back(word);

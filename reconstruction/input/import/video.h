@@ -16,11 +16,13 @@ namespace dpl {
 struct VideoInfo {
     std::filesystem::path path;
     std::string codec;
-    uint32_t widthPx = 0, heightPx = 0;  // upright, after the rotation that the file states
-    double durationS = 0;
-    bool hdr = false;            // HLG or PQ; tone-mapped to sRGB
-    std::string colourMatrix;    // "bt709", "smpte170m", ...; guessed from the size where the file says nothing
-    double focalLength35Mm = 0;  // newer iPhones state it; 0: unknown
+    uint32_t widthPx = 0, heightPx = 0;              // of its frames: upright, after the rotation that the file states, with square pixels
+    uint32_t storedWidthPx = 0, storedHeightPx = 0;  // upright, of the pixels as stored, which need not be square
+    double durationS = 0;                            // from its first frame on; 0: not stated
+    size_t otherStreams = 0;                         // video streams beside the first, which is read; pictures of a cover do not count
+    bool hdr = false;                                // HLG or PQ; tone-mapped to sRGB
+    std::string colourMatrix;                        // "bt709", "smpte170m", ...; guessed from the size where the file says nothing
+    double focalLength35Mm = 0;                      // newer iPhones state it; 0: unknown
 };
 
 /** A frame that was analysed; ffmpeg finds it again by `pts`. */
@@ -48,8 +50,8 @@ Result<VideoInfo> probeVideo(const std::filesystem::path& path, const VideoWork&
  *  before its stated duration. */
 Result<VideoAnalysis> analyseVideo(const VideoInfo& video, const VideoWork& work);
 
-/** Writes the frames with the given pts as upright 8-bit sRGB JPEG files and returns their paths, in order. Sides are at most `longSidePx`.
- */
+/** Writes the frames with the given pts as upright 8-bit sRGB JPEG files of the video's size and returns their paths, in order. Sides are
+ * at most `longSidePx`. */
 Result<std::vector<std::filesystem::path>> extractFrames(const VideoInfo& video, const std::vector<long long>& pts, uint32_t longSidePx,
                                                          const VideoWork& work);
 

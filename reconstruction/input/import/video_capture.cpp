@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 
 #include "reconstruction/base/json_fields.h"
 #include "reconstruction/input/capture/needed_tools.h"
@@ -57,6 +58,19 @@ struct Taken {
     fs::path image;
 };
 
+/** Says what of a video is not as it is stored, or left. */
+void noteStreams(const VideoInfo& video, std::vector<std::string>& notes) {
+    const std::string name = video.path.filename().string();
+    if (video.widthPx != video.storedWidthPx || video.heightPx != video.storedHeightPx)
+        notes.push_back(formatText("{} has {} x {} pixels that are not square; its frames are stretched to {} x {}", name,
+                                   video.storedWidthPx, video.storedHeightPx, video.widthPx, video.heightPx));
+    if (video.otherStreams > 0)
+        notes.push_back(
+            formatText("{} holds {} more video streams, which are left out. To take the second one, copy it: ffmpeg -i {} -map "
+                       "0:V:1 -c copy second.mkv",
+                       name, video.otherStreams, shellWord(video.path)));
+}
+
 class VideoReader {
 public:
     VideoReader(const FrameCounts& counts, uint32_t longSidePx, const VideoWork& work, size_t videos)
@@ -100,6 +114,7 @@ public:
             taken_.push_back({of, of == FrameKind::Dynamic ? startS_ + timeS : 0, files[i]});
         }
         if (!kind || *kind == FrameKind::Dynamic) startS_ += analysis.frames.back().timeS + kGapS;
+        noteStreams(info, notes_);
         if (info.hdr) notes_.push_back(formatText("{} is HDR and was tone-mapped to 8-bit sRGB", path.filename().string()));
         if (info.focalLength35Mm > 0) {
             const double factor = std::min(1.0, double(longSidePx_) / std::max(info.widthPx, info.heightPx));
@@ -164,8 +179,13 @@ private:
     double startS_ = 0, focalPx_ = 0;
 };
 
-/** The camera for pictures of the video's size. */
-Status fitToVideo(Camerad& camera, const VideoInfo& video, const std::string& name) {
+/** The camera for pictures of the video's size. A calibration of pixels that are not square keeps them: fx and fy differ. */
+Status fitToVideo(Camerad& camera, VideoInfo& video, const std::string& name) {
+    const auto shapeIs = [&](double width, double height) {
+        return std::abs(width / height * double(camera.heightPx) / double(camera.widthPx) - 1) <= kAlmostSameSize;
+    };
+    if (!shapeIs(video.widthPx, video.heightPx) && shapeIs(video.storedWidthPx, video.storedHeightPx))
+        video.widthPx = video.storedWidthPx, video.heightPx = video.storedHeightPx;
     const double sx = double(video.widthPx) / double(camera.widthPx), sy = double(video.heightPx) / double(camera.heightPx);
     if (std::abs(sx - 1) > kAlmostSameSize || std::abs(sy - 1) > kAlmostSameSize) {
         if (std::abs(sx / sy - 1) > kAlmostSameSize)
@@ -244,12 +264,22 @@ Result<Capture> readCalibratedVideos(const fs::path& folder, const fs::path& cal
     capture.what = calibration.extension() == ".toml" ? "videos with a Pose2Sim calibration" : "videos with a Qualisys calibration";
     VideoSteps steps(work, cameras.size());
     std::vector<double> times;  // chosen in the first video
+    LeftOut without;
+    std::set<fs::path> taken;
     for (const CalibratedCamera& calibrated : cameras) {
-        DPL_TRY(const fs::path path, videoOf(calibrated.name, videos, folder));
+        const auto found = videoOf(calibrated.name, videos, folder);
+        if (!found) {
+            if (found.error().code != Code::NotFound) return found.error();
+            without.add(calibrated.name, found.error());
+            continue;
+        }
+        const fs::path& path = *found;
+        taken.insert(path);
         VideoWork part = steps.next();
-        DPL_TRY(const VideoInfo info, probeVideo(path, part));
+        DPL_TRY(VideoInfo info, probeVideo(path, part));
         Camerad camera = calibrated.camera;
         DPL_RETURN_IF_ERROR(fitToVideo(camera, info, calibrated.name));
+        noteStreams(info, capture.notes);
         steps.report(part, 0, 0.6);
         DPL_TRY(const VideoAnalysis analysis, analyseVideo(info, part));
         if (times.empty())
@@ -279,6 +309,11 @@ Result<Capture> readCalibratedVideos(const fs::path& folder, const fs::path& cal
             capture.pictures.push_back(std::move(picture));
         }
     }
+    DPL_RETURN_IF_ERROR(without.check(taken.size()));
+    if (!without.empty()) capture.notes.push_back(without.sentence(cameras.size(), "cameras"));
+    for (const fs::path& video : videos)
+        if (taken.count(video) == 0)
+            capture.notes.push_back(formatText("{} is left out: its name contains that of no camera", video.filename().string()));
     return capture;
 }
 

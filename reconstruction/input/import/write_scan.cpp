@@ -8,6 +8,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "reconstruction/base/image_file.h"
+#include "reconstruction/input/capture/scan_readers.h"
 #include "reconstruction/input/import/exif.h"
 #include "reconstruction/input/import/turn.h"
 #include "sdk/core/files.h"
@@ -26,9 +27,9 @@ using Size = std::pair<uint32_t, uint32_t>;  // width and height, px
 bool isJpeg(const std::vector<uint8_t>& bytes) {
     return bytes.size() >= 2 && bytes[0] == 0xff && bytes[1] == 0xd8;
 }
-/** Whether a PNG has an alpha channel: byte 25 is the colour type. */
+/** Whether a PNG has an alpha channel (byte 25 is the colour type) or transparent colours. */
 bool hasAlpha(const std::vector<uint8_t>& bytes) {
-    return !isJpeg(bytes) && bytes.size() > 25 && (bytes[25] == 4 || bytes[25] == 6);
+    return !isJpeg(bytes) && bytes.size() > 25 && (bytes[25] == 4 || bytes[25] == 6 || !pngChunk(bytes, "tRNS").empty());
 }
 
 template <class T>
@@ -111,27 +112,59 @@ Result<Size> frameSize(const Capture& capture, const CapturePicture& picture) {
     return reducedSize(capture, turn.quarters % 2 == 0 ? Size{header.widthPx, header.heightPx} : Size{header.heightPx, header.widthPx});
 }
 
+/** A file of the scan folder. */
+struct FrameFile {
+    const char *folder, *key;  // "images", and its key in the frame's entry
+    std::string name;
+    std::vector<uint8_t> bytes;
+};
+
 class ScanWriter {
 public:
     ScanWriter(const Capture& capture, const fs::path& folder, Size shared) : capture_(capture), folder_(folder), shared_(shared) {}
 
-    Result<json> write(const CapturePicture& picture) {
+    /** Reads a picture with all that belongs to it and makes the files of its frame. Errors are the picture's. */
+    Status prepare(const CapturePicture& picture) {
+        files_.clear();
         DPL_TRY(const auto bytes, readCompleteImage(picture.image));
         const Turn turn = turnOf(capture_, picture, bytes);
-        json entry = {{"id", next_++}, {"name", picture.name}, {"kind", kindName(picture.kind)}};
-        DPL_RETURN_IF_ERROR(writePicture(picture, bytes, turn, entry));
-        if (!picture.mask.empty()) DPL_RETURN_IF_ERROR(writeMask(picture, turn, entry));
-        if (!picture.keypoints.empty()) DPL_RETURN_IF_ERROR(writeKeypoints(picture, turn, entry));
-        if (picture.kind == FrameKind::Dynamic || picture.timeS != 0) entry["time"] = picture.timeS;
-        if (!picture.closeupOf.empty()) entry["closeup_of"] = picture.closeupOf;
+        entry_ = {{"name", picture.name}, {"kind", kindName(picture.kind)}};
+        DPL_RETURN_IF_ERROR(preparePicture(picture, bytes, turn));
+        if (!picture.mask.empty()) DPL_RETURN_IF_ERROR(prepareMask(picture, turn));
+        if (!picture.keypoints.empty()) DPL_RETURN_IF_ERROR(prepareKeypoints(picture, turn));
+        if (picture.kind == FrameKind::Dynamic || picture.timeS != 0) entry_["time"] = picture.timeS;
+        if (!picture.closeupOf.empty()) entry_["closeup_of"] = picture.closeupOf;
         if (picture.camera) {
             Camerad camera = *picture.camera;
             LensDistortion lens = picture.lens;
             turnCamera(camera, lens, turn);
-            entry["camera"] = cameraJson(camera, lens);
-            if (Size{camera.widthPx, camera.heightPx} != shared_) entry["image_size"] = {camera.widthPx, camera.heightPx};
+            entry_["camera"] = cameraJson(camera, lens);
+            if (Size{camera.widthPx, camera.heightPx} != shared_) entry_["image_size"] = {camera.widthPx, camera.heightPx};
         }
-        return entry;
+        return {};
+    }
+
+    /** Writes the files of the prepared frame. */
+    Result<json> write() {
+        for (const FrameFile& file : files_) {
+            std::error_code error;
+            fs::create_directories(folder_ / file.folder, error);
+            entry_[file.key] = std::string(file.folder) + "/" + file.name;
+            DPL_RETURN_IF_ERROR(writeFileAtomically(folder_ / file.folder / file.name, file.bytes));
+        }
+        entry_["id"] = next_++;
+        if (!colours_.converted.empty()) ++converted_[colours_.converted];
+        if (!colours_.unread.empty()) ++unread_[colours_.unread];
+        return std::move(entry_);
+    }
+
+    /** What was done to the colours of the written pictures. */
+    void noteColours(std::vector<std::string>& notes) const {
+        for (const auto& [space, count] : converted_)
+            notes.push_back(formatText("{} pictures are converted from {} to sRGB{}", count, space,
+                                       space == "CMYK" ? ", without a profile: their colours are near, not exact" : ""));
+        for (const auto& [space, count] : unread_)
+            notes.push_back(formatText("{} pictures state {}, which is not read: their colours are taken for sRGB", count, space));
     }
 
 private:
@@ -139,20 +172,16 @@ private:
         return kind == FrameKind::StaticFull ? "static_full" : kind == FrameKind::StaticCloseup ? "static_closeup" : "dynamic";
     }
 
-    Status save(const char* in, const std::string& file, const std::vector<uint8_t>& bytes, json& entry, const char* key) {
-        std::error_code error;
-        fs::create_directories(folder_ / in, error);
-        entry[key] = std::string(in) + "/" + file;
-        return writeFileAtomically(folder_ / in / file, bytes);
-    }
-
-    Status writePicture(const CapturePicture& picture, const std::vector<uint8_t>& bytes, Turn turn, json& entry) {
+    Status preparePicture(const CapturePicture& picture, const std::vector<uint8_t>& bytes, Turn turn) {
         const bool jpeg = isJpeg(bytes), alpha = hasAlpha(bytes) && picture.mask.empty();
-        DPL_TRY(const ImageHeader header, naming(picture.image, probeImage(picture.image)));
-        const Size asStored = {header.widthPx, header.heightPx};
-        if (turn.none() && !alpha && reducedSize(capture_, asStored) == asStored)
-            return save("images", picture.name + (jpeg ? ".jpg" : ".png"), bytes, entry, "image");
-        DPL_TRY(Picture stored, naming(picture.image, decodePicture(bytes, alpha ? PictureChannels::AsStored : PictureChannels::Rgb)));
+        DPL_TRY(Picture stored,
+                naming(picture.image, decodePicture(bytes, alpha ? PictureChannels::Rgba : PictureChannels::Rgb, &colours_)));
+        const Size asStored = {stored.widthPx, stored.heightPx};
+        const std::string file = picture.name + (jpeg ? ".jpg" : ".png");
+        if (turn.none() && !alpha && colours_.converted.empty() && reducedSize(capture_, asStored) == asStored) {
+            files_.push_back({"images", "image", file, bytes});
+            return {};
+        }
         Picture upright = turned(stored, turn);
         const Size size = reducedSize(capture_, {upright.widthPx, upright.heightPx});
         if (upright.channels == 4) {
@@ -160,37 +189,46 @@ private:
             splitAlpha(upright, colour, mask);
             upright = std::move(colour), mask = reduced(std::move(mask), size);
             if (std::any_of(mask.pixels.begin(), mask.pixels.end(), [](uint8_t value) { return value != 255; })) {
-                DPL_TRY(const auto maskBytes, encodePng(mask.pixels, mask.widthPx, mask.heightPx, 1));
-                DPL_RETURN_IF_ERROR(save("masks", picture.name + ".png", maskBytes, entry, "mask"));
+                DPL_TRY(auto maskBytes, encodePng(mask.pixels, mask.widthPx, mask.heightPx, 1));
+                files_.push_back({"masks", "mask", picture.name + ".png", std::move(maskBytes)});
             }
         }
         upright = reduced(std::move(upright), size);
-        DPL_TRY(const auto encoded, jpeg ? encodeJpeg(upright.pixels, upright.widthPx, upright.heightPx, upright.channels, kJpegQuality)
-                                         : encodePng(upright.pixels, upright.widthPx, upright.heightPx, upright.channels));
-        return save("images", picture.name + (jpeg ? ".jpg" : ".png"), encoded, entry, "image");
+        DPL_TRY(auto encoded, jpeg ? encodeJpeg(upright.pixels, upright.widthPx, upright.heightPx, upright.channels, kJpegQuality)
+                                   : encodePng(upright.pixels, upright.widthPx, upright.heightPx, upright.channels));
+        files_.push_back({"images", "image", file, std::move(encoded)});
+        return {};
     }
 
-    Status writeMask(const CapturePicture& picture, Turn turn, json& entry) {
-        DPL_TRY(const auto bytes, readCompleteImage(picture.mask));
-        if (turn.none() && !picture.maskShowsBackground)
-            return save("masks", picture.name + (isJpeg(bytes) ? ".jpg" : ".png"), bytes, entry, "mask");
+    Status prepareMask(const CapturePicture& picture, Turn turn) {
+        DPL_TRY(auto bytes, readCompleteImage(picture.mask));
         DPL_TRY(Picture stored, naming(picture.mask, decodePicture(bytes, PictureChannels::AsStored)));
+        if (turn.none() && !picture.maskShowsBackground) {
+            files_.push_back({"masks", "mask", picture.name + (isJpeg(bytes) ? ".jpg" : ".png"), std::move(bytes)});
+            return {};
+        }
         if (picture.maskShowsBackground) stored = invertedMask(stored);
         const Picture upright = turned(stored, turn);
-        DPL_TRY(const auto encoded, encodePng(upright.pixels, upright.widthPx, upright.heightPx, upright.channels));
-        return save("masks", picture.name + ".png", encoded, entry, "mask");
+        DPL_TRY(auto encoded, encodePng(upright.pixels, upright.widthPx, upright.heightPx, upright.channels));
+        files_.push_back({"masks", "mask", picture.name + ".png", std::move(encoded)});
+        return {};
     }
 
-    Status writeKeypoints(const CapturePicture& picture, Turn turn, json& entry) {
+    Status prepareKeypoints(const CapturePicture& picture, Turn turn) {
         if (!turn.none()) return fail(Code::Unsupported, "{}: keypoints of turned pictures are not read", picture.image.string());
         const std::string text = keypointsJson(capture_.keypointNames, picture.keypoints).dump();
-        return save("keypoints", picture.name + ".json", {text.begin(), text.end()}, entry, "keypoints");
+        files_.push_back({"keypoints", "keypoints", picture.name + ".json", {text.begin(), text.end()}});
+        return {};
     }
 
     const Capture& capture_;
     fs::path folder_;
     Size shared_;
     size_t next_ = 0;
+    json entry_;  // of the prepared frame
+    std::vector<FrameFile> files_;
+    PictureColours colours_;
+    std::map<std::string, size_t> converted_, unread_;  // colour space -> pictures
 };
 
 /** Without cameras: leaves out pictures of another size than most. A kind of which nothing remains is refused. */
@@ -231,14 +269,30 @@ Status checkProgress(const ImportProgress& progress, double share, const std::st
 }  // namespace
 
 Status writeScan(Capture& capture, const std::string& name, double heightM, const fs::path& folder, const ImportProgress& progress) {
+    const size_t all = capture.pictures.size();
+    LeftOut left;
+    // A published protocol compares scores of its own frames, so none of them may be missing.
+    const auto leaveOut = [&](const CapturePicture& picture, const Error& why) -> Status {
+        if (!capture.protocol.empty() || why.code == Code::Io || why.code == Code::OutOfMemory) return why;
+        left.add(picture.image.filename(), why);
+        return {};
+    };
     std::vector<Size> sizes;
     std::map<Size, size_t> counts;
-    for (const CapturePicture& picture : capture.pictures) {
+    std::vector<CapturePicture> readable;
+    for (CapturePicture& picture : capture.pictures) {
         DPL_RETURN_IF_ERROR(checkProgress(progress, 0, "looking at the pictures"));
-        DPL_TRY(const Size size, frameSize(capture, picture));
-        sizes.push_back(size);
-        ++counts[size];
+        const auto size = frameSize(capture, picture);
+        if (!size) {
+            DPL_RETURN_IF_ERROR(leaveOut(picture, size.error()));
+            continue;
+        }
+        sizes.push_back(*size);
+        ++counts[*size];
+        readable.push_back(std::move(picture));
     }
+    capture.pictures = std::move(readable);
+    DPL_RETURN_IF_ERROR(left.check(sizes.size()));
     if (sizes.empty()) return fail(Code::CorruptData, "the capture has no picture");
     const Size shared =
         std::max_element(counts.begin(), counts.end(), [](const auto& a, const auto& b) { return a.second < b.second; })->first;
@@ -247,13 +301,24 @@ Status writeScan(Capture& capture, const std::string& name, double heightM, cons
 
     ScanWriter writer(capture, folder, shared);
     json frames = json::array();
-    for (const CapturePicture& picture : capture.pictures) {
-        const double share = double(frames.size()) / double(capture.pictures.size());
-        DPL_RETURN_IF_ERROR(checkProgress(progress, share, formatText("picture {} of {}", frames.size() + 1, capture.pictures.size())));
-        DPL_TRY(json entry, writer.write(picture));
+    std::vector<CapturePicture> written;
+    for (size_t i = 0; i < capture.pictures.size(); ++i) {
+        CapturePicture& picture = capture.pictures[i];
+        const double share = double(i) / double(capture.pictures.size());
+        DPL_RETURN_IF_ERROR(checkProgress(progress, share, formatText("picture {} of {}", i + 1, capture.pictures.size())));
+        if (const Status prepared = writer.prepare(picture); !prepared) {
+            DPL_RETURN_IF_ERROR(leaveOut(picture, prepared.error()));
+            continue;
+        }
+        DPL_TRY(json entry, writer.write());
         if (capture.splitStated) entry["split"] = picture.split == Split::Test ? "test" : "train";
         frames.push_back(std::move(entry));
+        written.push_back(std::move(picture));
     }
+    capture.pictures = std::move(written);
+    DPL_RETURN_IF_ERROR(left.check(capture.pictures.size()));
+    if (!left.empty()) capture.notes.push_back(left.sentence(all));
+    writer.noteColours(capture.notes);
     json manifest = {{"format", "avatar-scan"},   {"version", 1},      {"name", name},
                      {"source", capture.what},    {"units", "metres"}, {"image_size", {shared.first, shared.second}},
                      {"camera_model", "pinhole"}, {"frames", frames}};

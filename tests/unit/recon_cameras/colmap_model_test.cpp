@@ -81,7 +81,7 @@ TEST(ColmapModel, textAndBinaryAgree) {
     Folder folder;
     folder.write("cameras.txt", kCamerasText);
     folder.write("images.txt", kImagesText);
-    EXPECT_EQ(findColmapModel(folder.path), folder.path / ".");
+    EXPECT_EQ(findColmapModel(folder.path), folder.path);
     auto text = readColmapModel(folder.path);
     ASSERT_TRUE(text) << text.error().message;
     expectTheTwoImages(*text);

@@ -153,6 +153,104 @@ TEST(Nerfstudio, refusals) {
     expect([](json& m) { m["w"] = 97; }, {"97 x 128", "96 x 128"});
 }
 
+TEST(Nerfstudio, aLensThatIsNotBrownsIsRefusedWhereverItIsStated) {
+    TemporaryFolder folder;
+    const json good = transforms(folder.path);
+    const std::pair<const char*, json> stated[] = {{"is_fisheye", true}, {"is_fisheye", 1},
+                                                   {"latlong", true},    {"camera_model", "OPENCV_FISHEYE"},
+                                                   {"ftheta_p1", 0.5},   {"camera_model", "EQUIRECTANGULAR"}};
+    for (const auto& [key, value] : stated)
+        for (const bool ofFrame : {false, true}) {
+            json m = good;
+            (ofFrame ? m["frames"][1] : m)[key] = value;
+            const auto scan = scanOf(folder, m);
+            ASSERT_FALSE(scan) << key;
+            EXPECT_TRUE(mentions(scan.error().message, {"transforms.json", key, "image_undistorter"}));
+            EXPECT_EQ(scan.error().message.find("frame 1") != std::string::npos, ofFrame) << scan.error().message;
+        }
+    json m = good;
+    m["is_fisheye"] = false, m["frames"][0]["camera_model"] = "PINHOLE";
+    EXPECT_TRUE(scanOf(folder, m));
+}
+
+TEST(Nerfstudio, aFramesOwnFocalLengthWins) {
+    TemporaryFolder folder;
+    json m = transforms(folder.path);
+    m["frames"][0]["camera_angle_x"] = 2 * std::atan(0.24);  // 96 px across: 200 px
+    m["frames"][1]["fl_x"] = 150.0, m["frames"][1]["fl_y"] = 160.0;
+    auto scan = scanOf(folder, m);
+    ASSERT_TRUE(scan) << scan.error().message;
+    EXPECT_NEAR(scan->frames[0].camera.fx, 200, 1e-9);
+    EXPECT_NEAR(scan->frames[0].camera.fy, 200, 1e-9);
+    EXPECT_EQ(scan->frames[1].camera.fx, 150);
+    EXPECT_EQ(scan->frames[1].camera.fy, 160);
+    m = transforms(folder.path);
+    m.erase("fl_x"), m.erase("fl_y");
+    m["camera_angle_x"] = 2 * std::atan(0.48), m["camera_angle_y"] = 2 * std::atan(0.5);  // 100 and 128 px
+    scan = scanOf(folder, m);
+    ASSERT_TRUE(scan) << scan.error().message;
+    EXPECT_NEAR(scan->frames[0].camera.fx, 100, 1e-9);
+    EXPECT_NEAR(scan->frames[0].camera.fy, 128, 1e-9);
+}
+
+TEST(Nerfstudio, pathsOfWindowsAreRead) {
+    TemporaryFolder folder;
+    json m = transforms(folder.path);
+    for (auto& f : m["frames"])
+        for (const char* key : {"file_path", "mask_path"}) {
+            std::string path = f[key];
+            path[path.find('/')] = '\\';
+            f[key] = path;
+        }
+    m["train_filenames"] = {"images\\full_100.jpg"}, m["test_filenames"] = {"images/full_101.jpg"};
+    const auto scan = scanOf(folder, m);
+    ASSERT_TRUE(scan) << scan.error().message;
+    EXPECT_EQ(scan->frames[0].name, "full_100");
+    EXPECT_EQ(scan->frames[1].split, Split::Test);
+    EXPECT_FALSE(scan->frames[1].maskPath.empty());
+    m["frames"][0]["file_path"] = "..\\secret.jpg";
+    m.erase("train_filenames"), m.erase("test_filenames");
+    const auto refused = scanOf(folder, m);
+    ASSERT_FALSE(refused);
+    EXPECT_TRUE(mentions(refused.error().message, {"not allowed"}));
+}
+
+TEST(Nerfstudio, picturesThatCannotBeReadAreLeftOutByName) {
+    TemporaryFolder folder;
+    json m = transforms(folder.path);
+    m["frames"].push_back(m["frames"][0]), m["frames"][2]["file_path"] = "images/gone.jpg";
+    auto scan = scanOf(folder, m);
+    ASSERT_TRUE(scan) << scan.error().message;
+    EXPECT_EQ(scan->frames.size(), 2u);
+    EXPECT_TRUE(mentions(scan->assumed, {"1 of 3 pictures are left out: images/gone.jpg", "is missing"}));
+    writeText(folder.path / "masks/full_101.png", "");
+    scan = scanOf(folder, m);
+    ASSERT_TRUE(scan) << scan.error().message;
+    EXPECT_EQ(scan->frames.size(), 1u);
+    EXPECT_TRUE(mentions(scan->assumed, {"2 of 3 pictures are left out: images/full_101.jpg, images/gone.jpg", "masks/full_101.png"}));
+    for (auto& f : m["frames"]) f["file_path"] = "images/gone.jpg";
+    scan = scanOf(folder, m);
+    ASSERT_FALSE(scan);
+    EXPECT_TRUE(mentions(scan.error().message, {"gone.jpg is missing"}));
+}
+
+TEST(Nerfstudio, numbersThatNoLensHasAreRefused) {
+    TemporaryFolder folder;
+    for (const json& value : {json(9e15), json(-2e9), json(9e15f), json(nullptr)})
+        for (const char* key : {"k1", "k2"}) {
+            json m = transforms(folder.path);
+            m[key] = value;
+            const auto scan = scanOf(folder, m);
+            ASSERT_FALSE(scan) << key << ' ' << value;
+            EXPECT_TRUE(mentions(scan.error().message, {"transforms.json", key}));
+        }
+    for (double k1 : {-0.3, 0.4}) {
+        json m = transforms(folder.path);
+        m["k1"] = k1;
+        EXPECT_TRUE(scanOf(folder, m)) << k1;
+    }
+}
+
 TEST(Nerfstudio, bikerStandsUprightInsideHisMasks) {
     const auto data = sharedData("real-orbit-biker/transforms.json");
     if (!data) GTEST_SKIP() << "shared data (real-orbit-biker) is not on this machine";

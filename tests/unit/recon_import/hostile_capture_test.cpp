@@ -75,16 +75,18 @@ TEST(HostilePolycam, everyTruncationIsRefused) {
     for (size_t length = 0; length < text.size(); ++length) EXPECT_TRUE(json::parse(text.substr(0, length), nullptr, false).is_discarded());
     TemporaryFolder folder;
     writePolycam(folder.path / "poly", polycamKeyframe());
-    writeText(folder.path / "poly/keyframes/cameras/1.json", text.substr(0, text.size() / 2));
-    EXPECT_TRUE(mentions(refusal(folder.path / "poly"), {"1.json", "not valid JSON"}));
+    for (int i = 0; i < 3; ++i) writeText(folder.path / formatText("poly/keyframes/cameras/{}.json", i), text.substr(0, text.size() / 2));
+    EXPECT_TRUE(mentions(refusal(folder.path / "poly"), {"0.json", "not valid JSON"}));
 }
 
 TEST(HostilePolycam, cutPicturesAreRefused) {
     TemporaryFolder folder;
     writePolycam(folder.path / "poly", polycamKeyframe());
-    const fs::path image = folder.path / "poly/keyframes/images/1.jpg";
-    fs::resize_file(image, fs::file_size(image) / 2);
-    EXPECT_TRUE(mentions(refusal(folder.path / "poly"), {"1.jpg", "truncated"}));
+    for (int i = 0; i < 3; ++i) {
+        const fs::path image = folder.path / formatText("poly/keyframes/images/{}.jpg", i);
+        fs::resize_file(image, fs::file_size(image) / 2);
+    }
+    EXPECT_TRUE(mentions(refusal(folder.path / "poly"), {"0.jpg", "truncated"}));
 }
 
 TEST(HostileRecord3d, refusals) {

@@ -222,6 +222,146 @@ TEST_F(VideoFiles, aPlaylistThatPretendsToBeAVideoOpensNothing) {
     EXPECT_FALSE(probeVideo(folder.path / "concat.mp4", work));
 }
 
+TEST_F(VideoFiles, pixelsThatAreNotSquareAreStretched) {
+    const struct {
+        const char *aspect, *name;
+        uint32_t widthPx, heightPx;
+    } cases[] = {{"1/2", "tall.mp4", 192, 216},  {"4/3", "hdv.mov", 256, 108},          {"16/15", "pal.mkv", 205, 108},
+                 {"2/1", "wide.avi", 384, 108},  {"1/2", "tall.ts", 192, 216},          {"4/3", "vp9.webm", 256, 108},
+                 {"1/1", "plain.mp4", 192, 108}, {"1001/1000", "rounded.mp4", 192, 108}};
+    for (const auto& made : cases) {
+        SCOPED_TRACE(made.name);
+        auto coding = h264();
+        if (std::string(made.name).ends_with(".webm")) coding = {"-c:v", "libvpx-vp9", "-deadline", "realtime"};
+        const auto info = probeVideo(make(made.name, coding, formatText(",setsar={}", made.aspect)), work);
+        ASSERT_TRUE(info) << info.error().message;
+        EXPECT_NEAR(double(info->widthPx), made.widthPx, 1);
+        EXPECT_NEAR(double(info->heightPx), made.heightPx, 1);
+        EXPECT_EQ(info->storedWidthPx, 192u);
+        EXPECT_EQ(info->storedHeightPx, 108u);
+        const auto analysis = analyseVideo(*info, work);
+        ASSERT_TRUE(analysis) << analysis.error().message;
+        const Picture picture = frame(*info, *analysis, 5);
+        EXPECT_NEAR(double(picture.widthPx) / picture.heightPx, double(made.widthPx) / made.heightPx, 0.02);
+        // The red half still ends in the middle.
+        const uint32_t middle = picture.widthPx / 2;
+        EXPECT_NEAR(meanColour(picture, middle - 12, middle - 6, 8, 60).r, 0xc0, 12);
+        EXPECT_LT(meanColour(picture, middle - 12, middle - 6, 8, 60).g, 0x60);
+    }
+}
+
+TEST_F(VideoFiles, aTurnedVideoOfPixelsThatAreNotSquareIsStretchedUpright) {
+    const fs::path path = make("turned.mp4", h264(), ",setsar=4/3");
+    turnMp4(path);
+    const auto info = probeVideo(path, work);
+    ASSERT_TRUE(info) << info.error().message;
+    EXPECT_EQ(info->widthPx, 108u);
+    EXPECT_EQ(info->heightPx, 256u);
+}
+
+TEST_F(VideoFiles, theImportSaysThatPixelsWereStretched) {
+    ImportOptions options;
+    options.videos.still = {make("sar.mp4", h264(), ",setsar=1/2")};
+    options.out = folder.path / "scan";
+    const auto done = importCapture(options, nullptr, {});
+    ASSERT_TRUE(done) << done.error().message;
+    EXPECT_TRUE(mentions(done->summary, {"sar.mp4 has 192 x 108 pixels that are not square", "192 x 216"}));
+    const auto scan = readScan(options.out, ScanCameras::MayLack);
+    ASSERT_TRUE(scan) << scan.error().message;
+    EXPECT_EQ(scan->frames[0].camera.heightPx, 216u);
+}
+
+TEST_F(VideoFiles, aCalibrationOfStoredPixelsKeepsThem) {
+    make("cam01.mp4", h264(), ",setsar=2/1", "96x128");
+    writeText(folder.path / "Calib.qca.txt", qualisysText());
+    ImportOptions options;
+    options.source = folder.path / "Calib.qca.txt";
+    options.out = folder.path / "scan";
+    const auto done = importCapture(options, nullptr, {});
+    ASSERT_TRUE(done) << done.error().message;
+    const auto scan = readScan(options.out);
+    ASSERT_TRUE(scan) << scan.error().message;
+    EXPECT_EQ(scan->frames[0].camera.widthPx, 96u);
+    EXPECT_EQ(scan->frames[0].camera.fx, 100);
+}
+
+TEST_F(VideoFiles, aCameraWithoutVideoAndAVideoWithoutCameraAreNamed) {
+    std::string two = qualisysText();
+    const size_t begin = two.find("<camera "), end = two.find("</cameras>");
+    std::string second = two.substr(begin, end - begin);
+    second.replace(second.find("cam01"), 5, "cam02");
+    writeText(folder.path / "Calib.qca.txt", two.insert(end, second));
+    ImportOptions options;
+    options.source = folder.path / "Calib.qca.txt", options.out = folder.path / "scan";
+    make("other.mp4", h264(), "", "96x128");
+    const auto none = importCapture(options, nullptr, {});
+    ASSERT_FALSE(none);
+    EXPECT_TRUE(mentions(none.error().message, {"no video's name contains that of camera 'cam01'"}));
+    make("cam02.mp4", h264(), "", "96x128");
+    const auto done = importCapture(options, nullptr, {});
+    ASSERT_TRUE(done) << done.error().message;
+    EXPECT_TRUE(mentions(done->summary, {"1 of 2 cameras are left out: cam01", "other.mp4 is left out"}));
+    const auto scan = readScan(options.out);
+    ASSERT_TRUE(scan) << scan.error().message;
+    for (const ScanFrame& frame : scan->frames) EXPECT_TRUE(frame.name.starts_with("dyn_cam02")) << frame.name;
+}
+
+TEST_F(VideoFiles, aVideoThatStartsLateIsRead) {
+    for (const char* name : {"late.mkv", "late.mp4", "late.ts", "late.webm"}) {
+        SCOPED_TRACE(name);
+        auto coding = h264();
+        if (std::string(name).ends_with(".webm")) coding = {"-c:v", "libvpx-vp9", "-deadline", "realtime"};
+        coding.insert(coding.end(), {"-output_ts_offset", "100"});
+        const auto info = probeVideo(make(name, coding), work);
+        ASSERT_TRUE(info) << info.error().message;
+        EXPECT_NEAR(info->durationS, 2, 0.1);
+        const auto analysis = analyseVideo(*info, work);
+        ASSERT_TRUE(analysis) << analysis.error().message;
+        EXPECT_NEAR(double(analysis->frames.size()), 24, 1);
+    }
+}
+
+TEST_F(VideoFiles, soundThatGoesOnIsNoDamage) {
+    const fs::path path = make("plain.mkv", h264()), longer = folder.path / "sound.mkv";
+    ASSERT_TRUE(runProgram({.arguments = {"ffmpeg", "-loglevel", "error", "-y", "-i", path.string(), "-f", "lavfi", "-i", "sine=d=9",
+                                          "-map", "0:v", "-map", "1:a", "-c:v", "copy", longer.string()},
+                            .log = folder.path / "make.log"}));
+    const auto info = probeVideo(longer, work);
+    ASSERT_TRUE(info) << info.error().message;
+    EXPECT_NEAR(info->durationS, 2, 0.1);
+    const auto analysis = analyseVideo(*info, work);
+    EXPECT_TRUE(analysis) << analysis.error().message;
+}
+
+TEST_F(VideoFiles, aSecondVideoOfAFileIsSaidAndACoverIsNone) {
+    const fs::path first = make("first.mp4", h264()), second = make("second.mp4", h264(), "", "96x96");
+    const fs::path both = folder.path / "both.mkv", covered = folder.path / "covered.mp4", cover = folder.path / "cover.png";
+    writeBytes(cover, pngOf(spotPicture(64, 64, {32, 32})));
+    const auto mux = [&](std::vector<std::string> words) {
+        words.insert(words.begin(), {"ffmpeg", "-loglevel", "error", "-y"});
+        ASSERT_TRUE(runProgram({.arguments = words, .log = folder.path / "make.log"}));
+    };
+    mux({"-i", first.string(), "-i", second.string(), "-map", "0", "-map", "1", "-c", "copy", both.string()});
+    mux({"-i", cover.string(), "-i", first.string(), "-map", "0", "-map", "1", "-c", "copy", "-disposition:v:0", "attached_pic",
+         covered.string()});
+    auto info = probeVideo(both, work);
+    ASSERT_TRUE(info) << info.error().message;
+    EXPECT_EQ(info->widthPx, 192u);
+    EXPECT_EQ(info->otherStreams, 1u);
+    ImportOptions options;
+    options.videos.still = {both}, options.out = folder.path / "scan";
+    const auto done = importCapture(options, nullptr, {});
+    ASSERT_TRUE(done) << done.error().message;
+    EXPECT_TRUE(mentions(done->summary, {"both.mkv holds 1 more video streams", "-map 0:V:1"}));
+    info = probeVideo(covered, work);
+    ASSERT_TRUE(info) << info.error().message;
+    EXPECT_EQ(info->widthPx, 192u) << "the video, not the picture of its cover";
+    EXPECT_EQ(info->otherStreams, 0u);
+    const auto analysis = analyseVideo(*info, work);
+    ASSERT_TRUE(analysis) << analysis.error().message;
+    EXPECT_NEAR(meanColour(frame(*info, *analysis, 5), 8, 80, 8, 100).r, 0xc0, 8);
+}
+
 TEST_F(VideoFiles, soundAloneIsRefused) {
     const fs::path path = folder.path / "sound.mp4";
     ASSERT_TRUE(runProgram({.arguments = {"ffmpeg", "-loglevel", "error", "-y", "-f", "lavfi", "-i", "sine=d=1", path.string()},
