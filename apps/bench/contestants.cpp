@@ -133,7 +133,7 @@ Result<BenchSubject> BenchSubject::load(const BenchOptions& options) {
     auto avatar = context->loadAvatar(bytes);
     if (!avatar) return fail(fromSdk(avatar.error()).code, "{}: {}", options.avatar.string(), avatar.error().message);
     if (!options.clip.empty()) {
-        DPL_TRY(const uint32_t clip, chooseClip(*avatar, options.clip));
+        DPL_TRY(const uint32_t clip, chooseClip(*avatar, options.clip, options.animation));
         if (auto set = avatar->setPoseFromClip(clip, options.timeS, true); !set) return fromSdk(set.error());
     }
     auto info = avatar->info();

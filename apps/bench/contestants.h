@@ -21,7 +21,7 @@ struct BenchOptions {
     std::filesystem::path avatar, jsonFile, plotFile;
     std::vector<std::string> renderers;
     std::string fill = "auto";  // fill of the renderer "vulkan"
-    std::string clip;
+    std::string clip, animation;
     double timeS = 0;
     uint32_t repeats = 11, threadCount = 0;
     std::string axes = "y-up";

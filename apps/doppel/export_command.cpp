@@ -3,6 +3,7 @@
 
 #include "apps/doppel/commands.h"
 #include "apps/shared/checks.h"
+#include "apps/shared/pictures.h"
 #include "reconstruction/output/package/export_mesh.h"
 #include "reconstruction/output/package/posed_splats.h"
 
@@ -21,6 +22,7 @@ void addExportCommand(CLI::App& app, CommandRun& run) {
         ->required()
         ->check(isOutputFile({".ply", ".glb"}));
     command->add_option("--clip", options->clip, "A clip of the avatar by name, or a BVH or glTF file; default: the rest pose");
+    command->add_option("--animation", options->animation, kAnimationHelp)->needs("--clip");
     command->add_option("--time", options->timeS, "Time in the clip, seconds")->check(inRange(0.0, 1e6))->needs("--clip");
     command
         ->add_flag("--mesh", *mesh,

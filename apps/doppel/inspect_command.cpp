@@ -2,6 +2,7 @@
 #include <cstdio>
 
 #include "apps/doppel/commands.h"
+#include "apps/shared/pictures.h"
 #include "reconstruction/output/package/inspect.h"
 #include "reconstruction/run/clothes_in_motion.h"
 
@@ -9,6 +10,7 @@ namespace dpl {
 
 void addInspectCommand(CLI::App& app, CommandRun& run) {
     auto path = std::make_shared<std::filesystem::path>(), clip = std::make_shared<std::filesystem::path>();
+    auto animation = std::make_shared<std::string>();
     auto json = std::make_shared<bool>(false);
     CLI::App* command = app.add_subcommand(
         "inspect", "Show the content of an avatar and the bytes of its parts, or the content of a file of general splats");
@@ -17,15 +19,16 @@ void addInspectCommand(CLI::App& app, CommandRun& run) {
                      "Avatar file (.glb), or general splats (.ply, compressed .ply, .spz, .glb with KHR_gaussian_splatting)")
         ->required();
     command->add_option("--clip", *clip, "Show instead how the clothes fare in a motion: a BVH or glTF file");
+    command->add_option("--animation", *animation, kAnimationHelp)->needs("--clip");
     command->add_flag("--json", *json, "Print JSON instead of a table");
     command->footer(
         "Examples:\n  doppel inspect ada/avatar.glb\n  doppel inspect ada/avatar.glb --json | jq .bytes\n  doppel inspect "
         "ada/avatar.glb --clip walk.bvh\n  doppel inspect guitar.compressed.ply");
-    command->callback([path, clip, json, &run] {
-        run = [path, clip, json] {
+    command->callback([path, clip, animation, json, &run] {
+        run = [path, clip, animation, json] {
             if (!clip->empty()) {
                 Progress progress(*json ? Progress::Style::Quiet : Progress::Style::Usual);
-                const auto found = clothesInMotion(*path, *clip, *json, progress);
+                const auto found = clothesInMotion(*path, *clip, *animation, *json, progress);
                 if (!found) return reportError(found.error());
                 std::printf("%s\n", found->c_str());
                 return int(kExitOk);

@@ -29,7 +29,7 @@ size_t millisecondsSince(Clock::time_point start) {
 struct RenderOptions {
     fs::path avatar, out, scan, poses;
     std::vector<fs::path> beside;
-    std::string clip, split = "test", size = "720x1280", renderer = "auto", fill = "auto", axes = "y-up";
+    std::string clip, animation, split = "test", size = "720x1280", renderer = "auto", fill = "auto", axes = "y-up";
     double apartM = 0.8, timeS = 0, seconds = 0, framesPerSecond = 30, azimuthDeg = 0, scale = 1;
     double splatsPerPixel = 0;
     bool turntable = false, stereo = false, unfitted = false;
@@ -138,7 +138,7 @@ Result<size_t> renderShots(const RenderOptions& options, const doppel::Context& 
             DPL_RETURN_IF_ERROR(moveAside(avatar, company.asideM[i]));
             continue;
         }
-        DPL_TRY(company.clips[i], chooseClip(avatar, options.clip));
+        DPL_TRY(company.clips[i], chooseClip(avatar, options.clip, options.animation));
         auto about = avatar.clip(company.clips[i]);
         if (!about) return fromSdk(about.error());
         duration = std::max(duration, about->durationS);
@@ -264,6 +264,7 @@ void addRenderCommand(CLI::App& app, CommandRun& run) {
         ->capture_default_str()
         ->needs("--with");
     command->add_option("--clip", options->clip, "A clip of the avatar by name, or a BVH or glTF file to drive it with");
+    command->add_option("--animation", options->animation, kAnimationHelp)->needs("--clip");
     command->add_option("--time", options->timeS, "Start time in the clip, seconds")->check(inRange(0.0, 1e6));
     command->add_option("--seconds", options->seconds, "Length of the video (default: the clip's, or 6 s for a turntable)")
         ->check(inRange(0.0, 3600.0));

@@ -2,6 +2,7 @@
 #include "apps/shared/pictures.h"
 
 #include <cmath>
+#include <filesystem>
 
 #include "reconstruction/base/sdk_camera.h"
 #include "sdk/core/files.h"
@@ -18,14 +19,18 @@ Error fromSdk(const doppel::Error& error) {
     return {code, error.message};
 }
 
-Result<uint32_t> chooseClip(doppel::Avatar& avatar, const std::string& clip) {
+Result<uint32_t> chooseClip(doppel::Avatar& avatar, const std::string& clip, const std::string& animation) {
     auto info = avatar.info();
     if (!info) return fromSdk(info.error());
     std::string names;
     for (uint32_t i = 0; i < info->clipCount; ++i) {
         auto about = avatar.clip(i);
         if (!about) return fromSdk(about.error());
-        if (clip == about->name) return i;
+        if (clip == about->name) {
+            if (animation.empty()) return i;
+            return fail(Code::InvalidArgument, "--animation {}: '{}' is a clip of the avatar, not a glTF file; leave the option out",
+                        animation, clip);
+        }
         names += (names.empty() ? "" : ", ") + std::string(about->name);
     }
     auto bytes = readFile(clip, uint64_t(512) << 20);
@@ -35,6 +40,9 @@ Result<uint32_t> chooseClip(doppel::Avatar& avatar, const std::string& clip) {
     DplClipOptions how{};
     how.structSize = sizeof how;
     how.flags = DPL_CLIP_IN_PLACE;  // the camera stands still, so the avatar walks on the spot
+    const std::string name = std::filesystem::path(clip).filename().string();
+    how.name = name.c_str();
+    how.animationName = animation.empty() ? nullptr : animation.c_str();
     auto loaded = avatar.loadClip(*bytes, &how);
     if (!loaded) return fail(fromSdk(loaded.error()).code, "{}: {}", clip, loaded.error().message);
     return *loaded;

@@ -20,8 +20,11 @@ Mat3d uprightFromFile(const std::string& axes);
 inline const std::vector<std::string> kFillNames = {"auto", "quads", "tiles"};
 DplFill fillOf(const std::string& name);
 
-/** Index of the clip to play. `clip` names one of the avatar's clips, or else a motion file, which is retargeted onto the avatar. */
-Result<uint32_t> chooseClip(doppel::Avatar& avatar, const std::string& clip);
+/** Index of the clip to play. `clip` names one of the avatar's clips, or else a motion file, which is retargeted onto the avatar.
+ *  animation: name or number of one in a glTF file; empty: the first. */
+Result<uint32_t> chooseClip(doppel::Avatar& avatar, const std::string& clip, const std::string& animation = {});
+/** What --animation says of itself in every program. */
+constexpr const char* kAnimationHelp = "With --clip FILE.glb: name or number (from 0) of the animation in it; default: the first";
 
 /** A camera that looks at the middle of the avatar's rest box from `azimuthRad` (0: the front, positive towards the avatar's left) so that
  *  the avatar fills the picture. */

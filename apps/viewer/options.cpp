@@ -15,6 +15,7 @@ std::optional<ViewerOptions> readOptions(int argc, const char* const* argv, int*
     app.set_version_flag("--version", "doppel-viewer " DOPPEL_VERSION);
     app.add_option("files", options.files, "Avatars, splats and motions. A motion goes to the avatar before it");
     app.add_option("--clip", options.clip, "Clip that the avatars play: a name from the file, or a motion file");
+    app.add_option("--animation", options.animation, kAnimationHelp)->needs("--clip");
     app.add_option("--room", options.room, "auto: dark with avatars, none with splats alone")
         ->check(CLI::IsMember({"auto", "dark", "bright", "none"}))
         ->capture_default_str();

@@ -153,7 +153,7 @@ void Viewer::addSubject(doppel::Avatar avatar, const std::string& file) {
     auto made = ViewedSubject::of(std::move(avatar), file);
     if (!made) return report(file + ": " + made.error().message);
     if (!options_.clip.empty() && made->isAvatar()) {
-        const auto clip = chooseClip(made->avatar, options_.clip);
+        const auto clip = chooseClip(made->avatar, options_.clip, options_.animation);
         if (!clip) return report(clip.error().message);
         if (const Status taken = made->takeNewClip(); !taken) return report(taken.error().message);
         made->clip = *clip;

@@ -26,7 +26,7 @@ const std::vector<std::string> kBlendNames = {"opaque", "additive", "alpha"};
 
 struct Options {
     std::filesystem::path avatar, capture;
-    std::string clip, blend = "opaque";
+    std::string clip, animation, blend = "opaque";
     uint64_t frames = 0;
     double waitS = 30;
     bool mirror = false, withoutHands = false, withoutRoom = false, withoutAvatar = false, perEye = false, twoViews = false,
@@ -83,7 +83,7 @@ Status capture(const Options& options, const xr::Runtime& runtime, const AvatarS
 Status play(const Options& options, xr::Runtime& runtime, doppel::Avatar& avatar) {
     SceneOptions what = sceneOf(options);
     if (!options.clip.empty()) {
-        DPL_TRY(what.clip, chooseClip(avatar, options.clip));
+        DPL_TRY(what.clip, chooseClip(avatar, options.clip, options.animation));
     }
     auto puppet = xr::Puppet::of(avatar);
     if (!puppet) return fromSdk(puppet.error());
@@ -158,6 +158,7 @@ int main(int argc, char** argv) {
                    "Avatar file (.glb), or general splats (.ply, compressed .ply, .spz, .glb with KHR_gaussian_splatting)")
         ->required();
     app.add_option("--clip", options.clip, "A clip of the avatar by name, or a BVH or glTF file to drive it with");
+    app.add_option("--animation", options.animation, kAnimationHelp)->needs("--clip");
     app.add_flag("--mirror", options.mirror, "The avatar is your image in a mirror: it does what your head and hands do");
     app.add_option("--blend", options.blend,
                    "opaque: a lit room around the avatar; alpha, additive: the real room, where the headset shows it")

@@ -10,7 +10,7 @@
 #include "sdk/avatar/body_shape.h"
 #include "sdk/core/files.h"
 #include "sdk/motion/clip.h"
-#include "sdk/motion/retarget.h"
+#include "sdk/motion/motion_clip.h"
 
 namespace dpl {
 namespace {
@@ -20,18 +20,16 @@ constexpr size_t kMostPoses = 200;
 
 }  // namespace
 
-Result<std::string> clothesInMotion(const std::filesystem::path& path, const std::filesystem::path& clipPath, bool json,
-                                    Progress& progress) {
+Result<std::string> clothesInMotion(const std::filesystem::path& path, const std::filesystem::path& clipPath, const std::string& animation,
+                                    bool json, Progress& progress) {
     DPL_TRY(const auto bytes, readAvatarBytes(path));
     const auto inFile = [](const std::filesystem::path& file, const Error& e) { return fail(e.code, "{}: {}", file.string(), e.message); };
     DPL_TRY(const AvatarData avatar, avatarOf(path, bytes, "clothes"));
     DPL_TRY(const auto clipBytes, readFile(clipPath, uint64_t(512) << 20));
-    const auto motion = readMotion(clipBytes, clipPath.stem().string());
-    if (!motion) return inFile(clipPath, motion.error());
     const BodyShape body = BodyShape::of(avatar.joints, avatar.mesh);  // arms give way, as in dplLoadClip
     RetargetOptions played;
     played.body = &body;
-    const auto clip = retarget(*motion, avatar.joints, played);
+    const auto clip = readClip(clipBytes, clipPath.stem().string(), {animation}, avatar.joints, played);
     if (!clip) return inFile(clipPath, clip.error());
     const double duration = clipDurationS(*clip);
     const size_t count = std::clamp(size_t(duration * kPosesPerSecond) + 1, size_t(1), kMostPoses);

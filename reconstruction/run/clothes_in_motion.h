@@ -10,8 +10,9 @@
 
 namespace dpl {
 
-/** Poses the avatar ten times a second of the clip, at most 200 times, and measures clothFaults(). clip: a BVH or glTF file. Returns text
- *  of a few lines, or a JSON object. Errors name the file; Cancelled. */
-Result<std::string> clothesInMotion(const std::filesystem::path& avatar, const std::filesystem::path& clip, bool json, Progress& progress);
+/** Poses the avatar ten times a second of the clip, at most 200 times, and measures clothFaults(). clip: a BVH or glTF file; animation:
+ *  name or number of one in it, empty: the first. Returns text of a few lines, or a JSON object. Errors name the file; Cancelled. */
+Result<std::string> clothesInMotion(const std::filesystem::path& avatar, const std::filesystem::path& clip, const std::string& animation,
+                                    bool json, Progress& progress);
 
 }  // namespace dpl

@@ -4,7 +4,7 @@
 
 #include "sdk/api/api_state.h"
 #include "sdk/motion/clip.h"
-#include "sdk/motion/retarget.h"
+#include "sdk/motion/motion_clip.h"
 
 using namespace dpl;
 using namespace dpl::api;
@@ -54,7 +54,7 @@ DplResult dplLoadClip(DplAvatar avatar, const uint8_t* data, size_t size, const 
         if (data == nullptr || clip == nullptr) return fail(Code::InvalidArgument, "{} is NULL", data == nullptr ? "data" : "clip");
         DplClipOptions wanted{};
         if (options != nullptr) {
-            DPL_TRY(wanted, readStruct<DplClipOptions>(options, "options"));
+            DPL_TRY(wanted, readStruct<DplClipOptions>(options, "options", offsetof(DplClipOptions, animationName)));
             constexpr uint32_t kKnown = DPL_CLIP_KEEP_LEAD_IN | DPL_CLIP_KEEP_PLACE | DPL_CLIP_IN_PLACE | DPL_CLIP_AS_RECORDED;
             if (wanted.flags & ~kKnown) return fail(Code::InvalidArgument, "options has unknown flags {}", wanted.flags & ~kKnown);
         }
@@ -68,8 +68,9 @@ DplResult dplLoadClip(DplAvatar avatar, const uint8_t* data, size_t size, const 
         how.levelHead = how.plantFeet = !asRecorded;
         const BodyShape body = asRecorded ? BodyShape() : BodyShape::of(found->data->joints, found->data->mesh);
         how.body = &body;
-        DPL_TRY(const Motion motion, readMotion({data, size}, wanted.name ? wanted.name : "the clip", wanted.animation));
-        DPL_TRY(ClipData made, retarget(motion, found->data->joints, how));  // outside the lock: the rig never changes
+        const MotionChoice choice{wanted.animationName ? wanted.animationName : "", wanted.animation};
+        DPL_TRY(ClipData made,  // outside the lock: the rig never changes
+                readClip({data, size}, wanted.name ? wanted.name : "the clip", choice, found->data->joints, how));
         DPL_RETURN_IF_ERROR(checkClip(made, found->data->joints));
         std::lock_guard lock(found->context->mutex);
         if (wanted.name)

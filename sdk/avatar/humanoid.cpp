@@ -6,6 +6,8 @@
 #include <cctype>
 #include <optional>
 
+#include "sdk/avatar/limbs_by_shape.h"
+
 namespace dpl {
 namespace {
 
@@ -176,6 +178,15 @@ std::string sided(int side, std::string_view bone) {
     return std::string(side > 0 ? "left" : "right").append(bone);
 }
 
+int sideOf(std::string_view jointName) {
+    NameParts parts = takeApart(stripPrefix(jointName));
+    if (parts.side != 0) return parts.side;
+    if (jointName.find("\u5de6") != std::string_view::npos) return 1;  // Japanese, as in MikuMikuDance
+    if (jointName.find("\u53f3") != std::string_view::npos) return -1;
+    // "lfarm", "rThigh1": a letter before a word. Where the words are not sides, both sides of the body get the same one.
+    return parts.base.size() > 2 ? (parts.base[0] == 'l' ? 1 : parts.base[0] == 'r' ? -1 : 0) : 0;
+}
+
 /** Bone name of a finger and its segment 1 to 3. The thumb's segments have names of their own. */
 std::string fingerBone(int side, std::string_view finger, int segment) {
     static constexpr std::string_view kSegments[] = {"Proximal", "Intermediate", "Distal"};
@@ -269,7 +280,23 @@ public:
         for (size_t j = 0; j < joints.size(); ++j) bones_[j] = humanoidBoneFor(joints[j].name);
     }
 
-    std::vector<std::string> run() {
+    /** at: positions of the joints where the person stands. */
+    std::vector<std::string> run(std::span<const Vec3f> at) {
+        const std::vector<std::string> named = bones_;
+        byNames();
+        if (isWhole()) return std::move(bones_);
+        std::vector<int> sides;
+        for (const JointData& joint : joints_) sides.push_back(sideOf(joint.name));
+        if (auto limbs = limbsByShape(joints_, at, sides)) {
+            bones_ = std::move(*limbs);
+            keepSmallBones(named);
+            settleTorso();
+        }
+        return std::move(bones_);
+    }
+
+private:
+    void byNames() {
         for (const char* side : {"left", "right"}) {
             const std::string s = side;
             settleSecond(s + "Shoulder", s + "UpperArm");
@@ -279,10 +306,30 @@ public:
         }
         keepFirstOfEach();
         settleTorso();
-        return std::move(bones_);
     }
-
-private:
+    /** Whether hips, head and four limbs are there, each bone of a limb below the one before. */
+    bool isWhole() const {
+        if (!find("hips") || !find("head")) return false;
+        for (const std::string side : {"left", "right"})
+            for (const auto& limb : {std::array{"UpperLeg", "LowerLeg", "Foot"}, std::array{"UpperArm", "LowerArm", "Hand"}}) {
+                const auto upper = find(side + limb[0]), lower = find(side + limb[1]), end = find(side + limb[2]);
+                if (!upper || !lower || !end || !isAbove(*upper, *lower) || !isAbove(*lower, *end)) return false;
+            }
+        return true;
+    }
+    /** Fingers, eyes and jaw that their names tell, where they hang from the hand or head of their side. */
+    void keepSmallBones(const std::vector<std::string>& named) {
+        for (size_t j = 0; j < named.size(); ++j) {
+            const std::string_view bone = named[j];
+            if (bone.empty() || !bones_[j].empty() || find(bone)) continue;
+            const std::string side = bone.starts_with("left") ? "left" : bone.starts_with("right") ? "right" : "";
+            const bool ofHead = bone == "jaw" || bone.ends_with("Eye");
+            const bool finger = std::any_of(std::begin(kFingers), std::end(kFingers),
+                                            [&](const Alias& f) { return bone.substr(side.size()).starts_with(f.bone); });
+            const auto carrier = ofHead ? find("head") : finger ? find(side + "Hand") : std::nullopt;
+            if (carrier && isAbove(*carrier, j)) bones_[j] = bone;
+        }
+    }
     std::optional<size_t> find(std::string_view bone) const {
         const auto at = std::find(bones_.begin(), bones_.end(), bone);
         if (at == bones_.end()) return std::nullopt;
@@ -348,13 +395,15 @@ private:
 
 }  // namespace
 
-std::vector<std::string> humanoidBones(std::span<const JointData> joints) {
+std::vector<std::string> humanoidBones(std::span<const JointData> joints, std::span<const Vec3f> standing) {
     if (std::any_of(joints.begin(), joints.end(), [](const JointData& j) { return !j.humanoidBone.empty(); })) {
         std::vector<std::string> bones;
         for (const JointData& joint : joints) bones.push_back(joint.humanoidBone);
         return bones;
     }
-    return TreeResolver(joints).run();
+    std::vector<Vec3f> rest;
+    for (const JointData& joint : joints) rest.push_back(joint.restPosition);
+    return TreeResolver(joints).run(standing.empty() ? rest : standing);
 }
 
 void assignHumanoidBones(std::vector<JointData>& joints) {
@@ -362,9 +411,9 @@ void assignHumanoidBones(std::vector<JointData>& joints) {
     for (size_t j = 0; j < joints.size(); ++j) joints[j].humanoidBone = bones[j];
 }
 
-BoneMap bonesOf(std::span<const JointData> joints) {
+BoneMap bonesOf(std::span<const JointData> joints, std::span<const Vec3f> standing) {
     BoneMap map;
-    const std::vector<std::string> bones = humanoidBones(joints);
+    const std::vector<std::string> bones = humanoidBones(joints, standing);
     for (size_t j = 0; j < bones.size(); ++j)
         if (!bones[j].empty()) map.emplace(bones[j], j);
     return map;

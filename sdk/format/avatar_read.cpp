@@ -197,7 +197,12 @@ struct AvatarReader {
             DPL_TRY(const uint64_t joint, fields.number("joint", 0xffffffffu));
             if (joint >= avatar.joints.size())
                 return fail(Code::CorruptData, "a humanoid bone names joint {} of {}", joint, avatar.joints.size());
-            DPL_TRY(avatar.joints[joint].humanoidBone, fields.text("bone"));
+            std::string& bone = avatar.joints[joint].humanoidBone;
+            DPL_TRY(std::string named, fields.text("bone"));
+            if (!bone.empty())
+                return fail(Code::CorruptData, "joint {} ('{}') is named as two humanoid bones, '{}' and '{}'", joint,
+                            avatar.joints[joint].name, bone, named);
+            bone = std::move(named);
         }
         return readClips(jointOfNode);
     }

@@ -63,6 +63,7 @@ struct GltfMesh {
 
 struct GltfNode {
     std::string name;
+    std::string humanoidBone;  // of VRM 1, as the file states it; empty: none
     int32_t parent = -1, mesh = -1, skin = -1;
     std::vector<uint32_t> children;
     Vec3f translation{0}, scale{1};

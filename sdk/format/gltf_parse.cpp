@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "sdk/core/reader.h"
+#include "sdk/format/gltf_humanoid.h"
 #include "sdk/format/gltf_model.h"
 #include "sdk/format/load_json.h"
 #include "sdk/format/tiny_gltf_parse.h"
@@ -211,6 +212,26 @@ Status checkTables(const Json& root) {
     return {};
 }
 
+/** Refuses bounds that no value of an accessor has. They are not read further, but tell of damage. */
+Status checkBounds(const Json& root) {
+    constexpr double kLargest = 1e10;  // above any index
+    const auto list = root.find("accessors");
+    if (list == root.end() || !list->is_array()) return {};
+    for (size_t i = 0; i < list->size(); ++i)
+        for (const char* key : {"min", "max"}) {
+            const Json& accessor = (*list)[i];
+            const auto bounds = accessor.is_object() ? accessor.find(key) : accessor.end();
+            if (!accessor.is_object() || bounds == accessor.end()) continue;
+            if (!bounds->is_array() || bounds->size() > 16)
+                return fail(Code::CorruptData, "'{}' of accessor {} is not an array of at most 16 numbers", key, i);
+            for (const Json& bound : *bounds)
+                if (!bound.is_number() || !(std::abs(bound.get<double>()) <= kLargest))
+                    return fail(Code::CorruptData, "'{}' of accessor {} states {}, which no value has; the file is damaged", key, i,
+                                bound.dump(-1, ' ', false, Json::error_handler_t::replace).substr(0, 40));
+        }
+    return {};
+}
+
 /** Copies the known keys only: for extras and unknown extensions tinygltf takes up to a hundred times their size. */
 Result<Json> knownKeys(const Json& root, std::span<const uint8_t> bin, const ReadLimits& limits, PrimitiveLinks& links,
                        std::vector<std::vector<std::string>>& targetNames) {
@@ -239,6 +260,7 @@ Result<Json> knownKeys(const Json& root, std::span<const uint8_t> bin, const Rea
         return pick(a, {"bufferView", "byteOffset", "componentType", "normalized", "count", "type", "sparse"});
     }));
     DPL_RETURN_IF_ERROR(checkTables(out));
+    DPL_RETURN_IF_ERROR(checkBounds(root));
     for (const Json& a : out.value("accessors", Json::array()))
         if (auto sparse = a.find("sparse"); sparse != a.end() && !sparse->is_object())
             return fail(Code::CorruptData, "a sparse accessor is not an object");
@@ -442,9 +464,11 @@ Result<GltfModel> parseGlb(std::span<const uint8_t> bytes, const ReadLimits& lim
             model.meshes[link.mesh].primitives[link.primitive].splatting = std::move(link.splatting);
     DPL_RETURN_IF_ERROR(checkRanges(model));
     DPL_RETURN_IF_ERROR(checkReferences(model, limits));
-    if (auto extensions = root.find("extensions"); extensions != root.end() && extensions->is_object())
+    if (auto extensions = root.find("extensions"); extensions != root.end() && extensions->is_object()) {
+        DPL_RETURN_IF_ERROR(readHumanoidMap(*extensions, model.nodes));
         if (auto ours = extensions->find("DPL_gaussian_avatar"); ours != extensions->end())
             model.avatarExtension = ours->dump(-1, ' ', false, Json::error_handler_t::replace);
+    }
     return model;
 } catch (const std::bad_alloc&) {
     return outOfMemory("read a glTF");

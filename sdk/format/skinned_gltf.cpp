@@ -43,7 +43,8 @@ struct SkinnedReader {
             stack.pop_back();
             const GltfNode& from = model.nodes[n];
             nodeOf[n] = int32_t(out.nodes.size());
-            out.nodes.push_back({from.name, from.parent < 0 ? -1 : nodeOf[from.parent], from.translation, from.rotation, from.scale});
+            out.nodes.push_back(
+                {from.name, from.parent < 0 ? -1 : nodeOf[from.parent], from.translation, from.rotation, from.scale, from.humanoidBone});
             for (size_t c = from.children.size(); c-- > 0;) stack.push_back(from.children[c]);
         }
     }

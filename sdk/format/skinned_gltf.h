@@ -22,6 +22,7 @@ struct SkinnedGltf {
         Vec3f translation{0};
         Quatf rotation{1, 0, 0, 0};  // unit
         Vec3f scale{1};
+        std::string humanoidBone;  // VRM 1 name, where the file states it (VRM 0, VRM 1, VRM animation)
     };
     struct Joint {
         uint32_t node = 0;       // index into nodes

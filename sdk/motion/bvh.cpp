@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // BVH (Biovision hierarchy) is a text: nested joints with offsets and channels, then one line of numbers per frame.
+#include <algorithm>
 #include <array>
 #include <cmath>
-#include <optional>
+#include <limits>
 
 #include "sdk/core/numbers.h"
 #include "sdk/motion/motion.h"
@@ -13,9 +14,12 @@ namespace {
 constexpr size_t kMaxJoints = 1024;
 constexpr size_t kMaxDepth = 256;
 constexpr size_t kMaxFrames = 1000000;
+constexpr size_t kMaxFrameRotations = size_t(32) << 20;  // frames × joints; 512 MiB
 constexpr size_t kMaxNameBytes = 256;
 constexpr size_t kMaxTextBytes = size_t(1) << 30;
 constexpr double kMaxNumber = 1e9;  // sanity limit of lengths and degrees; keeps squares and products finite in float
+
+constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 
 enum Channel : uint8_t { PositionX, PositionY, PositionZ, RotationX, RotationY, RotationZ };
 
@@ -38,7 +42,8 @@ public:
         if (text_.size() > kMaxTextBytes)
             return fail(Code::CorruptData, "{}: a BVH text of {} bytes is refused", motion_.name, text_.size());
         if (text_.size() >= 3 && text_.substr(0, 3) == "\xEF\xBB\xBF") position_ = 3;  // byte order mark
-        if (!sameWord(word(), "hierarchy")) return error("a BVH file begins with the word HIERARCHY");
+        if (const std::string_view first = word(); !sameWord(first, "hierarchy"))
+            return error(formatText("no BVH: the text begins with '{}' instead of HIERARCHY", first.substr(0, 40)));
         if (!sameWord(word(), "root")) return error("ROOT is missing after HIERARCHY");
         DPL_RETURN_IF_ERROR(readTree());
         DPL_RETURN_IF_ERROR(readFrames());
@@ -64,6 +69,23 @@ private:
         }
         return text_.substr(begin, position_ - begin);
     }
+    /** Skips a label such as "Frame Time:", whose words and colon may stand with or without spaces. False: something else stands here. */
+    bool label(std::string_view lowerLetters) {
+        skipSpace();
+        size_t at = position_;
+        const auto skipBlanks = [&] {
+            while (at < text_.size() && (text_[at] == ' ' || text_[at] == '\t')) ++at;
+        };
+        for (const char letter : lowerLetters) {
+            skipBlanks();
+            if (at >= text_.size() || (text_[at] | 0x20) != letter) return false;
+            ++at;
+        }
+        skipBlanks();
+        if (at < text_.size() && text_[at] == ':') ++at;
+        position_ = at;
+        return true;
+    }
     /** Rest of the line up to an opening brace, without spaces around it. Joint names may contain spaces. */
     std::string_view restOfLine() {
         size_t begin = position_;
@@ -74,13 +96,22 @@ private:
         return text_.substr(begin, end - begin);
     }
     Result<double> number(std::string_view what) {
+        DPL_TRY(const double value, numberOrNone(what));
+        if (!std::isfinite(value)) return error(formatText("{} is not a finite number", what));
+        return value;
+    }
+    /** The next number; NaN for one that a program wrote without having it ("nan", "-inf", "1.#QNAN", 1e300). */
+    Result<double> numberOrNone(std::string_view what) {
         std::string_view w = word();
         if (w.empty()) return error(formatText("the text ends where {} should be", what));
         if (w.front() == '+') w.remove_prefix(1);
         double value = 0;
-        if (!readNumber(w, value) || std::abs(value) > kMaxNumber)
-            return error(formatText("{} is '{}', not a usable number", what, w.substr(0, 40)));
-        return value;
+        if (readNumber(w, value)) return std::abs(value) <= kMaxNumber ? value : kNone;
+        std::string_view bare = w;
+        if (bare.starts_with('-')) bare.remove_prefix(1);
+        for (const std::string_view none : {"nan", "inf", "infinity", "-nan", "1.#", "null"})
+            if (sameWord(bare.substr(0, none.size()), none)) return kNone;
+        return error(formatText("{} is '{}', not a number", what, w.substr(0, 40)));
     }
     Result<Vec3f> offset(std::string_view what) {
         if (!sameWord(word(), "offset")) return error(formatText("OFFSET of {} is missing", what));
@@ -159,56 +190,95 @@ private:
         if (sameWord(w, "root"))
             return fail(Code::Unsupported, "{}, line {}: a second ROOT; only one skeleton per file is read", motion_.name, line_);
         if (!sameWord(w, "motion")) return error("MOTION is missing after the hierarchy");
-        if (!sameWord(word(), "frames:")) return error("'Frames:' is missing after MOTION");
+        if (!label("frames")) return error("'Frames:' is missing after MOTION");
         DPL_TRY(const double frames, number("the number of frames"));
         if (!(frames >= 1 && frames <= double(kMaxFrames)) || frames != std::floor(frames))
             return error(formatText("{} frames; 1 to {} are read", frames, kMaxFrames));
-        if (!sameWord(word(), "frame") || !sameWord(word(), "time:")) return error("'Frame Time:' is missing");
+        if (!label("frametime")) return error("'Frame Time:' is missing");
         DPL_TRY(const double frameTimeS, number("the frame time"));
         if (!(frameTimeS > 1e-5 && frameTimeS < 1e3))
             return error(formatText("the frame time is {} s; 0.00001 to 1000 are possible", frameTimeS));
-        const size_t keys = size_t(frames), joints = motion_.joints.size();
-        // A number and its separator take at least two bytes. Checked before the allocations below.
-        if (channels_.size() * keys > (text_.size() - position_ + 1) / 2)
-            return error(formatText("{} frames of {} numbers do not fit into the {} bytes left; the file is cut off", keys,
-                                    channels_.size(), text_.size() - position_));
         if (channels_.empty()) return error("no joint has a channel");
-        motion_.timesS.resize(keys);
-        motion_.rotations.assign(keys * joints, Quatf(1, 0, 0, 0));
+        // A number and its separator take at least two bytes, which bounds what the frames below can allocate.
+        const size_t promised = size_t(frames), room = (text_.size() - position_ + 1) / 2 / channels_.size();
+        const size_t keys = std::min(promised, room), joints = motion_.joints.size();
+        if (keys * joints > kMaxFrameRotations) return error(formatText("{} frames of {} joints are too many", keys, joints));
+        motion_.timesS.reserve(keys);
+        motion_.rotations.reserve(keys * joints);
         std::vector<size_t> translationOf(joints, SIZE_MAX);
         for (size_t j = 0; j < joints; ++j)
             for (size_t c = firstChannel_[j]; c < firstChannel_[j + 1]; ++c)
                 if (channels_[c] <= PositionZ && translationOf[j] == SIZE_MAX) {
                     translationOf[j] = motion_.translations.size();
-                    motion_.translations.push_back({uint32_t(j), std::vector<Vec3f>(keys, Vec3f(0))});
+                    motion_.translations.push_back({uint32_t(j), {}});
                 }
-        for (size_t k = 0; k < keys; ++k) {
-            motion_.timesS[k] = float(double(k) * frameTimeS);
-            for (size_t j = 0; j < joints; ++j) DPL_RETURN_IF_ERROR(readJointFrame(k, j, translationOf[j]));
+        std::vector<double> row(channels_.size());
+        size_t read = 0, notFinite = 0;
+        bool whole = true;
+        while (read < promised) {
+            DPL_TRY(whole, readRow(row, read));
+            if (!whole || (position_ == text_.size() && read + 1 < promised)) break;  // its last number may be cut too
+            if (std::all_of(row.begin(), row.end(), [](double v) { return std::isfinite(v); }))
+                addFrame(row, float(double(read) * frameTimeS), translationOf);
+            else
+                ++notFinite;
+            ++read;
         }
-        skipSpace();
-        if (position_ != text_.size()) return error(formatText("there is more after the {} frames that 'Frames:' promises", keys));
+        size_t more = 0;
+        for (bool rows = read == promised; rows && !atEnd();) {
+            DPL_TRY(rows, readRow(row, promised + more));
+            ++more;
+        }
+        if (motion_.timesS.empty())
+            return error(notFinite > 0 ? "no frame has only finite numbers" : "the text ends before its first frame does");
+        const float first = motion_.timesS.front();
+        for (float& t : motion_.timesS) t -= first;
+        if (read < promised) note(formatText("'Frames:' promises {} frames, there are {}: the file may be cut off", promised, read));
+        if (more > 0) note(formatText("'Frames:' promises {} frames, {} more stand below them and were left out", promised, more));
+        if (notFinite > 0) note(formatText("{} of {} frames have numbers that are not finite and were left out", notFinite, read));
         settleTranslations();
         return {};
     }
 
-    Status readJointFrame(size_t key, size_t joint, size_t translation) {
-        Quatd rotation(1, 0, 0, 0);
-        for (size_t c = firstChannel_[joint]; c < firstChannel_[joint + 1]; ++c) {
-            auto value = number("a frame value");
-            if (!value)
-                return fail(value.error().code, "{} (frame {} of {}, joint '{}')", value.error().message, key + 1, motion_.timesS.size(),
-                            motion_.joints[joint].name);
-            if (channels_[c] <= PositionZ) {
-                motion_.translations[translation].offsets[key][channels_[c] - PositionX] = float(*value);
-            } else {
-                Vec3d axis(0);
-                axis[channels_[c] - RotationX] = 1;
-                rotation = rotation * glm::angleAxis(glm::radians(*value), axis);  // the first channel is the outermost rotation
+    void note(std::string text) { motion_.notes.push_back(std::move(text)); }
+    bool atEnd() {
+        skipSpace();
+        return position_ == text_.size();
+    }
+
+    /** The numbers of one frame. False: the text ends before the frame does. */
+    Result<bool> readRow(std::vector<double>& row, size_t frame) {
+        size_t joint = 0;
+        for (size_t c = 0; c < row.size(); ++c) {
+            while (c >= firstChannel_[joint + 1]) ++joint;
+            if (atEnd()) return false;
+            auto value = numberOrNone("a frame value");
+            if (!value) {
+                if (position_ == text_.size()) return false;
+                return fail(value.error().code, "{} (frame {}, joint '{}')", value.error().message, frame + 1, motion_.joints[joint].name);
             }
+            row[c] = *value;
         }
-        motion_.rotations[key * motion_.joints.size() + joint] = Quatf(glm::normalize(rotation));
-        return {};
+        return true;
+    }
+
+    void addFrame(std::span<const double> row, float timeS, std::span<const size_t> translationOf) {
+        motion_.timesS.push_back(timeS);
+        for (size_t j = 0; j < motion_.joints.size(); ++j) {
+            Quatd rotation(1, 0, 0, 0);
+            Vec3f position(0);
+            for (size_t c = firstChannel_[j]; c < firstChannel_[j + 1]; ++c) {
+                if (channels_[c] <= PositionZ) {
+                    position[channels_[c] - PositionX] = float(row[c]);
+                } else {
+                    Vec3d axis(0);
+                    axis[channels_[c] - RotationX] = 1;
+                    rotation = rotation * glm::angleAxis(glm::radians(row[c]), axis);  // the first channel is the outermost rotation
+                }
+            }
+            motion_.rotations.push_back(Quatf(glm::normalize(rotation)));
+            if (translationOf[j] != SIZE_MAX) motion_.translations[translationOf[j]].offsets.push_back(position);
+        }
     }
 
     /** Position channels replace OFFSET in files of some programs and add to it in others. If the first frame lies nearer to OFFSET than to

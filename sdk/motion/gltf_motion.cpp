@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "sdk/core/numbers.h"
 #include "sdk/format/skinned_gltf.h"
 #include "sdk/motion/motion.h"
 
@@ -52,19 +53,47 @@ Result<std::vector<float>> keyTimes(const SkinnedGltf::Animation& animation, std
     return times;
 }
 
+/** "'idle' (0), 'walk' (1)", without the animation `but`. */
+std::string listed(const std::vector<SkinnedGltf::Animation>& animations, size_t but = SIZE_MAX) {
+    constexpr size_t kMost = 20;
+    std::string text;
+    for (size_t a = 0, shown = 0; a < animations.size(); ++a) {
+        if (a == but) continue;
+        if (shown++ == kMost) return text + " and more";
+        text += formatText("{}'{}' ({})", text.empty() ? "" : ", ", animations[a].name, a);
+    }
+    return text;
+}
+
+Result<size_t> chooseAnimation(const std::vector<SkinnedGltf::Animation>& animations, const MotionChoice& choice, std::string_view name) {
+    if (animations.empty()) return fail(Code::NotFound, "{}: the file holds no animation, so nothing in it moves", name);
+    const auto missing = [&](const std::string& wanted) {
+        return fail(Code::NotFound, "{}: there is no animation {}; the file holds {}: {}", name, wanted, animations.size(),
+                    listed(animations));
+    };
+    if (choice.animation.empty()) {
+        if (choice.index >= animations.size()) return missing(std::to_string(choice.index));
+        return size_t(choice.index);
+    }
+    for (size_t a = 0; a < animations.size(); ++a)
+        if (animations[a].name == choice.animation) return a;
+    uint32_t number = 0;
+    if (!readNumber(choice.animation, number) || number >= animations.size()) return missing("'" + choice.animation + "'");
+    return size_t(number);
+}
+
 }  // namespace
 
-Result<Motion> readGltfMotion(std::span<const uint8_t> bytes, std::string_view name, uint32_t animation) {
+Result<Motion> readGltfMotion(std::span<const uint8_t> bytes, std::string_view name, const MotionChoice& choice) {
     SkinnedGltfOptions options;
     options.requireSkin = false;
     DPL_TRY(const SkinnedGltf gltf, readSkinnedGltf(bytes, options));
-    if (gltf.animations.empty()) return fail(Code::NotFound, "{}: the file holds no animation", name);
-    if (animation >= gltf.animations.size()) {
-        std::string names;
-        for (const SkinnedGltf::Animation& a : gltf.animations) names += (names.empty() ? "'" : ", '") + a.name + "'";
-        return fail(Code::NotFound, "{}: there is no animation {}; the file holds {}: {}", name, animation, gltf.animations.size(), names);
-    }
-    const SkinnedGltf::Animation& clip = gltf.animations[animation];
+    DPL_TRY(const size_t taken, chooseAnimation(gltf.animations, choice, name));
+    const SkinnedGltf::Animation& clip = gltf.animations[taken];
+    if (clip.channels.empty())
+        return fail(Code::Unsupported,
+                    "{}: animation '{}' moves no node, as of a face or a material: it has no skeleton to take a motion from", name,
+                    clip.name);
 
     // The joints of the motion are the skin's joints, the animated nodes and all their ancestors. A file without a skin does not name its
     // skeleton, so all its nodes are joints.
@@ -76,6 +105,9 @@ Result<Motion> readGltfMotion(std::span<const uint8_t> bytes, std::string_view n
 
     Motion motion;
     motion.name = clip.name.empty() ? std::string(name) : clip.name;
+    if (choice.animation.empty() && gltf.animations.size() > 1)
+        motion.notes.push_back(formatText("the file holds {} animations: took '{}' ({}), left {}; choose by name or number (--animation)",
+                                          gltf.animations.size(), clip.name, taken, listed(gltf.animations, taken)));
     const std::vector<Mat4f> sceneFromNode = gltf.restTransforms();
     const std::vector<Quatf> rest = restRotations(gltf);
     std::vector<int32_t> jointOf(gltf.nodes.size(), -1);
@@ -83,7 +115,8 @@ Result<Motion> readGltfMotion(std::span<const uint8_t> bytes, std::string_view n
         if (!wanted[n]) continue;
         jointOf[n] = int32_t(motion.joints.size());
         const SkinnedGltf::Node& node = gltf.nodes[n];
-        motion.joints.push_back({node.name, node.parent < 0 ? -1 : jointOf[size_t(node.parent)], Vec3f(sceneFromNode[n][3]), {}});
+        motion.joints.push_back(
+            {node.name, node.parent < 0 ? -1 : jointOf[size_t(node.parent)], Vec3f(sceneFromNode[n][3]), node.humanoidBone});
     }
     DPL_TRY(motion.timesS, keyTimes(clip, name));
     const size_t keys = motion.timesS.size(), joints = motion.joints.size();

@@ -5,6 +5,16 @@
 #include <cmath>
 
 namespace dpl {
+namespace {
+
+constexpr float kBendBegins = 0.17f, kBendTells = 0.5f;  // sine of the bend of an elbow or knee: its plane begins to count; alone counts
+
+float smoothStep(float from, float to, float x) {
+    const float t = std::clamp((x - from) / (to - from), 0.0f, 1.0f);
+    return t * t * (3 - 2 * t);
+}
+
+}  // namespace
 
 Quatf shortestTurn(const Vec3f& from, const Vec3f& to) {
     const float lengths = glm::length(from) * glm::length(to);
@@ -16,6 +26,27 @@ Quatf shortestTurn(const Vec3f& from, const Vec3f& to) {
     }
     const Vec3f c = glm::cross(from, to) / lengths;
     return glm::normalize(Quatf(1 + cosine, c.x, c.y, c.z));
+}
+
+Quatf frameOf(const Vec3f& left, const Vec3f& up) {
+    const Vec3f y = glm::normalize(up), across = left - y * glm::dot(left, y);
+    if (!(glm::length(across) > 1e-6f)) return Quatf(1, 0, 0, 0);
+    const Vec3f x = glm::normalize(across);
+    return glm::normalize(glm::quat_cast(Mat3f(x, y, glm::cross(x, y))));
+}
+
+Quatf turnOf(const Vec3f& a, const Vec3f& b, const Vec3f& toA, const Vec3f& toB) {
+    return frameOf(toB, toA) * glm::conjugate(frameOf(b, a));
+}
+
+std::array<Quatf, 2> hingedLimb(const Quatf& before, const Vec3f& rest, const Vec3f& hinge, const Vec3f& upper, const Vec3f& lower) {
+    const Quatf hanging = shortestTurn(before * rest, upper) * before;
+    const Vec3f u = glm::normalize(upper), axis = glm::cross(u, glm::normalize(lower));
+    const float told = smoothStep(kBendBegins, kBendTells, glm::length(axis));
+    Quatf first = hanging;
+    if (told > 0) first = glm::slerp(hanging, turnOf(rest, hinge, upper, axis), told);
+    first = shortestTurn(first * rest, upper) * first;
+    return {glm::normalize(first), glm::normalize(shortestTurn(first * rest, lower) * first)};
 }
 
 std::array<Quatf, 2> reachWith(const std::array<Vec3f, 3>& at, const Vec3f& target, const Vec3f& bend) {

@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstring>
 
 namespace dpl {
 
@@ -53,9 +52,48 @@ void scaleToMetres(Motion& motion) {
         for (Vec3f& offset : translation.offsets) offset *= unit;
 }
 
-Result<Motion> readMotion(std::span<const uint8_t> bytes, std::string_view name, uint32_t animation) {
-    if (bytes.size() >= 4 && std::memcmp(bytes.data(), "glTF", 4) == 0) return readGltfMotion(bytes, name, animation);
-    return readBvh({reinterpret_cast<const char*>(bytes.data()), bytes.size()}, name);
+namespace {
+
+/** What programs call a file that begins like this, and what to do with it. Empty: nothing known. */
+std::string otherKind(std::string_view text) {
+    const auto begins = [&](std::string_view with) { return text.starts_with(with); };
+    constexpr std::string_view kBlender = "open it in Blender and export it as .glb or .bvh";
+    if (text.empty()) return "an empty file";
+    if (begins("Kaydara FBX Binary")) return formatText("an FBX file; {}", kBlender);
+    if (begins("\xFF\xFE") || begins("\xFE\xFF") || text.substr(0, 64).find('\0') == 1)
+        return "text in UTF-16; save it as UTF-8 or plain ASCII";
+    if (text.substr(std::min<size_t>(4, text.size()), 4) == "ftyp" || begins("\x1A\x45\xDF\xA3") || begins("RIFF"))
+        return "a video; a motion has a skeleton, which a pose estimator or a motion capture program makes from videos";
+    if (begins("\x89PNG") || begins("\xFF\xD8\xFF")) return "a picture";
+    if (begins("PK\x03\x04") || begins("\x1F\x8B") || begins("7z\xBC\xAF") ||
+        begins("\xFD"
+               "7zXZ") ||
+        begins("Rar!"))
+        return "packed; unpack it and name the motion inside";
+    if (begins("PXR-USDC") || begins("#usda")) return formatText("a USD file; {}", kBlender);
+    if (begins("ply") || begins("NGSP")) return "general splats, which have no motion";
+    if (begins("<?xml") || begins("<COLLADA")) return formatText("an XML file, perhaps COLLADA; {}", kBlender);
+    const size_t word = std::min(text.find_first_not_of(" \t\r\n"), text.size());
+    const std::string_view first = text.substr(word);
+    if (first.starts_with("; FBX")) return formatText("an FBX file in ASCII; {}", kBlender);
+    if (first.starts_with(":") || first.starts_with("#!OML"))
+        return formatText("an Acclaim file (.asf or .amc) by its first line; {}", kBlender);
+    if (first.starts_with("{") && first.substr(0, size_t(1) << 20).find("\"asset\"") != std::string_view::npos)
+        return "a .gltf with its numbers in other files or as text; export it as one binary file (.glb)";
+    if (first.starts_with("{") || first.starts_with("[")) return "JSON, but no motion of a kind that is read";
+    return {};
+}
+
+}  // namespace
+
+Result<Motion> readMotion(std::span<const uint8_t> bytes, std::string_view name, const MotionChoice& choice) {
+    const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+    if (text.starts_with("glTF")) return readGltfMotion(bytes, name, choice);
+    if (const std::string kind = otherKind(text); !kind.empty())
+        return fail(Code::Unsupported, "{}: motions are BVH texts and glTF binaries (.glb); this is {}", name, kind);
+    if (!choice.animation.empty())
+        return fail(Code::NotFound, "{}: there is no animation '{}': a BVH holds one motion; leave the choice out", name, choice.animation);
+    return readBvh(text, name);
 }
 
 }  // namespace dpl

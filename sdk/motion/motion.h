@@ -25,7 +25,8 @@ struct Motion {
         std::vector<Vec3f> offsets;  // K, added to the rest offset, in the parent's frame, metres
     };
     std::vector<Translation> translations;
-    float metresPerUnit = 1;  // factor applied to the lengths of the file: 1, 0.1, 0.0254, 0.01 or 0.001
+    float metresPerUnit = 1;         // factor applied to the lengths of the file: 1, 0.1, 0.0254, 0.01 or 0.001
+    std::vector<std::string> notes;  // sentences: what was left out, or chosen among several
 
     size_t keyCount() const { return timesS.size(); }
 };
@@ -40,16 +41,25 @@ float guessMetresPerUnit(float height);
 void scaleToMetres(Motion& motion);
 
 /** Reads a BVH text, with any channel order, end sites, CRLF and blank lines. Position channels below the root are kept. Programs differ in
- *  whether these replace OFFSET or add to it; the first frame decides. Any thread; the bytes may be freed on return.
- *  CorruptData, with the line number: not a BVH, truncated, numbers that are not finite, more than 1024 joints or 10⁶ frames.
+ *  whether these replace OFFSET or add to it; the first frame decides. Frames with numbers that are not finite, frames beyond those that
+ *  'Frames:' promises and a last frame that is cut off are left out and noted. Any thread; the bytes may be freed on return.
+ *  CorruptData, with the line number: not a BVH, no whole frame, an OFFSET that is not finite, more than 1024 joints or 10⁶ frames.
  *  Unsupported: a second ROOT. */
 Result<Motion> readBvh(std::string_view text, std::string_view name);
 
-/** Reads one animation of a glTF binary, with or without a skin. Its keys are the union of the key times of all channels; if a channel is
- *  cubic, 60 keys per second are added. Errors as readSkinnedGltf; NotFound: no such animation, the text lists the names. */
-Result<Motion> readGltfMotion(std::span<const uint8_t> bytes, std::string_view name, uint32_t animation = 0);
+/** Which animation of a glTF file to read. */
+struct MotionChoice {
+    std::string animation;  // its name, or else its number from 0; empty: `index`
+    uint32_t index = 0;
+};
 
-/** Reads either kind; the first bytes tell which. */
-Result<Motion> readMotion(std::span<const uint8_t> bytes, std::string_view name, uint32_t animation = 0);
+/** Reads one animation of a glTF binary, with or without a skin. Bones are those that the file states (VRM 0, VRM 1, VRM animation). Its
+ * keys are the union of the key times of all channels; if a channel is cubic, 60 keys per second are added. Where the file holds several
+ *  animations and none was chosen by name, a note names them. Errors as readSkinnedGltf; NotFound: no such animation, the text lists them.
+ */
+Result<Motion> readGltfMotion(std::span<const uint8_t> bytes, std::string_view name, const MotionChoice& choice = {});
+
+/** Reads either kind; the first bytes tell which. Unsupported: another kind of file; the text says which, and what to do. */
+Result<Motion> readMotion(std::span<const uint8_t> bytes, std::string_view name, const MotionChoice& choice = {});
 
 }  // namespace dpl

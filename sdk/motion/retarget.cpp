@@ -7,6 +7,7 @@
 #include "sdk/avatar/rig.h"
 #include "sdk/motion/bone_follower.h"
 #include "sdk/motion/plant_feet.h"
+#include "sdk/motion/standing_rest.h"
 
 namespace dpl {
 namespace {
@@ -21,37 +22,22 @@ float angleBetween(const Quatf& a, const Quatf& b) {
  *  rest pose. */
 class UprightSource {
 public:
-    explicit UprightSource(const Motion& motion) : motion_(motion), bones_(bonesOf(motion.joints)) {
-        rest_.reserve(motion.joints.size());
-        for (const JointData& joint : motion.joints) rest_.push_back(joint.restPosition);
-        restInverse_.assign(rest_.size(), kIdentity);
-        auto upright = uprightFrom(bones_, rest_);
-        if (!upright && motion.keyCount() > 0) {  // the rest pose does not stand: use the first frame instead
-            std::vector<Quatf> rotations;
-            motionAt(motion, 0, rotations, rest_);
-            for (size_t j = 0; j < rest_.size(); ++j) restInverse_[j] = glm::conjugate(rotations[j]);
-            upright = uprightFrom(bones_, rest_);
-        }
-        upright_ = upright.value_or(kIdentity);
-        for (Vec3f& p : rest_) p = upright_ * p;
-    }
+    explicit UprightSource(const Motion& motion) : motion_(motion), rest_(standingRest(motion)) {}
 
-    const BoneMap& bones() const { return bones_; }
-    std::span<const Vec3f> rest() const { return rest_; }
+    const BoneMap& bones() const { return rest_.bones; }
+    std::span<const Vec3f> rest() const { return rest_.at; }
+    const std::string& note() const { return rest_.note; }
     void at(size_t key, std::vector<Quatf>& rotations, std::vector<Vec3f>& positions) const {
         motionAt(motion_, key, rotations, positions);
         for (size_t j = 0; j < rotations.size(); ++j) {
-            rotations[j] = upright_ * rotations[j] * restInverse_[j] * glm::conjugate(upright_);
-            positions[j] = upright_ * positions[j];
+            rotations[j] = rest_.upright * rotations[j] * rest_.inverse[j] * glm::conjugate(rest_.upright);
+            positions[j] = rest_.upright * positions[j];
         }
     }
 
 private:
     const Motion& motion_;
-    BoneMap bones_;
-    std::vector<Vec3f> rest_;
-    std::vector<Quatf> restInverse_;
-    Quatf upright_ = kIdentity;
+    StandingRest rest_;
 };
 
 class Retargeter {
@@ -61,6 +47,7 @@ public:
 
     Result<ClipData> run(const RetargetOptions& options) {
         DPL_RETURN_IF_ERROR(checkCommonBones(motion_.name, motion_.joints, source_.bones(), target_, follower_.targetBones()));
+        if (options.notes) noteWhatIsLacking(*options.notes);
         travelScale_ = follower_.travelScale();
         if (options.levelHead) levelHead();
         const size_t first = options.keepLeadIn ? 0 : firstKey();
@@ -84,6 +71,21 @@ public:
     }
 
 private:
+    /** Limbs and head that the target has and nothing drives, so that they keep their rest pose. */
+    void noteWhatIsLacking(std::vector<std::string>& notes) {
+        if (!source_.note().empty()) notes.push_back(source_.note());
+        std::string lacking;
+        const auto look = [&](const std::string& bone) {
+            if (findBone(follower_.targetBones(), bone) && !follower_.drivenBone(bone)) lacking += (lacking.empty() ? "" : ", ") + bone;
+        };
+        look("head");
+        for (const std::string side : {"left", "right"})
+            for (const char* bone : {"UpperArm", "LowerArm", "Hand", "UpperLeg", "LowerLeg", "Foot"}) look(side + bone);
+        if (!lacking.empty())
+            notes.push_back("the motion does not drive " + lacking +
+                            ", which go stiffly with the bone above; name or map these joints in it");
+    }
+
     /** Turns the head so that it is level at the median of the frames in which the person walks or runs. Marker sets tell the head's
      * rotation up to a constant of the session: subjects of CMU walk with heads that point 28° up to 28° down. */
     void levelHead() {

@@ -22,13 +22,14 @@ struct RetargetOptions {
     bool levelHead = true;            // turns the head by a constant, so that people who walk or run look ahead
     bool plantFeet = true;            // holds feet in place while they stand (plant_feet.h)
     const BodyShape* body = nullptr;  // of the target: arms are kept out of it; null: they are not
+    std::vector<std::string>* notes = nullptr;  // gets sentences: limbs that nothing drives, a rest pose that had to be made
 };
 
 /** The motion as a clip on `target`. It has channels for the bones that both skeletons have. Other joints keep their local rest rotation,
- *  so they follow their nearest mapped ancestor. The motion is turned so that the source's rest pose faces +Z with +Y up. Travel is
- *  scaled by the ratio of leg lengths. Deterministic.
- *  Unsupported: the skeletons do not share the hips and both upper legs or both upper arms; the text lists the joints of the skeleton
- *  that lacks them. InvalidArgument: the target rig is not valid. CorruptData: the motion is not valid. */
+ *  so they follow their nearest mapped ancestor. The motion is turned so that the source's rest pose (standing_rest.h) faces +Z with +Y up.
+ * Travel is scaled by the ratio of leg lengths. Deterministic. Unsupported: the skeletons do not share the hips and both upper legs or both
+ * upper arms; the text lists the joints of the skeleton that lacks them. InvalidArgument: the target rig is not valid. CorruptData: the
+ * motion is not valid. */
 Result<ClipData> retarget(const Motion& source, std::span<const JointData> target, const RetargetOptions& options = {});
 
 }  // namespace dpl

@@ -29,9 +29,7 @@ enum Point : size_t {
 };  // of the left side; the right one follows, but eyes are three apart
 constexpr size_t kRightEye = 5;
 
-constexpr float kBendBegins = 0.17f,
-                kBendTells = 0.5f;  // sine of the bend of an elbow or knee: from here on its plane counts; alone counts
-constexpr float kLeastM = 0.01f;    // between two points that shall tell a direction
+constexpr float kLeastM = 0.01f;  // between two points that shall tell a direction
 
 size_t boneIndex(std::string_view bone) {
     const auto names = humanoidBoneNames();
@@ -52,35 +50,6 @@ struct Bones {
                 boneIndex(s + "UpperLeg"), boneIndex(s + "LowerLeg"), boneIndex(s + "Foot"),     boneIndex(s + "Toes")};
     }
 };
-
-/** The rotation that takes +Y to `up` and +X as near to `left` as it can; identity if they tell nothing. */
-Quatf frameOf(const Vec3f& left, const Vec3f& up) {
-    const Vec3f y = glm::normalize(up), across = left - y * glm::dot(left, y);
-    if (!(glm::length(across) > 1e-6f)) return Quatf(1, 0, 0, 0);
-    const Vec3f x = glm::normalize(across);
-    return glm::normalize(glm::quat_cast(Mat3f(x, y, glm::cross(x, y))));
-}
-
-/** The rotation that takes directions a, b to `toA` exactly and to near `toB`. */
-Quatf turnOf(const Vec3f& a, const Vec3f& b, const Vec3f& toA, const Vec3f& toB) {
-    return frameOf(toB, toA) * glm::conjugate(frameOf(b, a));
-}
-
-float smoothStep(float from, float to, float x) {
-    const float t = std::clamp((x - from) / (to - from), 0.0f, 1.0f);
-    return t * t * (3 - 2 * t);
-}
-
-/** Of a limb of two bones that points along `rest` at rest and bends about `hinge`. before: rotation of what carries it. */
-std::array<Quatf, 2> limb(const Quatf& before, const Vec3f& rest, const Vec3f& hinge, const Vec3f& upper, const Vec3f& lower) {
-    const Quatf hanging = shortestTurn(before * rest, upper) * before;
-    const Vec3f u = glm::normalize(upper), axis = glm::cross(u, glm::normalize(lower));
-    const float told = smoothStep(kBendBegins, kBendTells, glm::length(axis));
-    Quatf first = hanging;
-    if (told > 0) first = glm::slerp(hanging, turnOf(rest, hinge, upper, axis), told);
-    first = shortestTurn(first * rest, upper) * first;
-    return {glm::normalize(first), glm::normalize(shortestTurn(first * rest, lower) * first)};
-}
 
 /** The part of a rotation that turns about a unit axis. */
 Quatf twistAbout(const Quatf& q, const Vec3f& axis) {
@@ -163,7 +132,7 @@ private:
         if (!(glm::length(upper) > kLeastM) || !(glm::length(lower) > kLeastM)) return;
         const float sign = s == 0 ? 1.0f : -1.0f;
         const Vec3f rest(sign, 0, 0), hinge(0, -sign, 0);  // a forearm bends ahead
-        auto [first, second] = limb(chest, rest, hinge, upper, lower);
+        auto [first, second] = hingedLimb(chest, rest, hinge, upper, lower);
         if (has({kPinky + s, kIndex + s})) {
             const Vec3f ahead = 0.5f * (at_[kPinky + s] + at_[kIndex + s]) - at_[kWristPoint + s],
                         across = at_[kIndex + s] - at_[kPinky + s];
@@ -182,7 +151,7 @@ private:
         if (!has({kHip + s, kKnee + s, kAnkle + s})) return;
         const Vec3f upper = at_[kKnee + s] - at_[kHip + s], lower = at_[kAnkle + s] - at_[kKnee + s];
         if (!(glm::length(upper) > kLeastM) || !(glm::length(lower) > kLeastM)) return;
-        const auto [first, second] = limb(hips, Vec3f(0, -1, 0), Vec3f(1, 0, 0), upper, lower);  // a shin bends back
+        const auto [first, second] = hingedLimb(hips, Vec3f(0, -1, 0), Vec3f(1, 0, 0), upper, lower);  // a shin bends back
         set(side.upperLeg, first), set(side.lowerLeg, second);
         if (!has({kHeel + s, kFootIndex + s})) return;
         const Vec3f ahead = at_[kFootIndex + s] - at_[kHeel + s];

@@ -41,7 +41,7 @@ int main(void) {
         CHECK(sizeof(DplLoadStatus) == 12 && offsetof(DplLoadStatus, progress) == 8);
         CHECK(sizeof(DplJointInfo) == 40 && offsetof(DplJointInfo, restPosition) == 28);
         CHECK(sizeof(DplClipInfo) == 32 && offsetof(DplClipInfo, durationS) == 16);
-        CHECK(sizeof(DplClipOptions) == 24 && offsetof(DplClipOptions, animation) == 16);
+        CHECK(sizeof(DplClipOptions) == 32 && offsetof(DplClipOptions, animation) == 16 && offsetof(DplClipOptions, animationName) == 24);
         CHECK(sizeof(DplDetail) == 12);
         CHECK(sizeof(DplCaptureDetail) == 52 && offsetof(DplCaptureDetail, views) == 36);
         CHECK(sizeof(DplPoseTrust) == 24 && offsetof(DplPoseTrust, farthestJoint) == 16);

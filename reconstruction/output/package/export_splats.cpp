@@ -9,8 +9,7 @@
 #include "sdk/format/ply.h"
 #include "sdk/format/splat_file.h"
 #include "sdk/motion/clip.h"
-#include "sdk/motion/motion.h"
-#include "sdk/motion/retarget.h"
+#include "sdk/motion/motion_clip.h"
 
 namespace dpl {
 namespace {
@@ -22,10 +21,8 @@ Result<Pose> choosePose(const AvatarData& avatar, const ExportOptions& options) 
     if (own != avatar.clips.end()) return samplePose(*own, avatar.joints, options.timeS);
     auto bytes = readFile(options.clip, uint64_t(512) << 20);
     if (!bytes) return fail(bytes.error().code, "--clip {} is neither a clip of the avatar nor a readable BVH or glTF file", options.clip);
-    auto motion = readMotion(*bytes, options.clip);
-    if (!motion) return fail(motion.error().code, "{}: {}", options.clip, motion.error().message);
-    auto clip = retarget(*motion, avatar.joints);
-    if (!clip) return fail(clip.error().code, "{}: {}", options.clip, clip.error().message);
+    const auto clip = readClip(*bytes, std::filesystem::path(options.clip).filename().string(), {options.animation}, avatar.joints);
+    if (!clip) return fail(clip.error().code, "--clip {}: {}", options.clip, clip.error().message);
     return samplePose(*clip, avatar.joints, options.timeS);
 }
 

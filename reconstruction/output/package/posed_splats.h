@@ -21,6 +21,7 @@ Result<StaticSplatData> posedSplats(const AvatarData& avatar, const Pose& pose);
 struct ExportOptions {
     std::filesystem::path avatar, out;  // the extension of `out` selects the format: .ply or .glb
     std::string clip;                   // name of a clip of the avatar, or path of a BVH or glTF file; empty: rest pose
+    std::string animation;              // name or number of an animation in a glTF file; empty: the first
     double timeS = 0;
 };
 

@@ -380,15 +380,17 @@ typedef enum DplClipFlag {
 /** How dplLoadClip reads a motion. */
 typedef struct DplClipOptions {
     uint32_t structSize;
-    uint32_t flags;     /**< DplClipFlag, combined by | */
-    const char* name;   /**< name of the new clip; NULL: the name in the file, or "clip N" */
-    uint32_t animation; /**< index of the animation in a glTF file; 0 for BVH */
+    uint32_t flags;            /**< DplClipFlag, combined by | */
+    const char* name;          /**< name of the new clip; NULL: the name in the file, or "clip N" */
+    uint32_t animation;        /**< index of the animation in a glTF file; 0 for BVH */
+    const char* animationName; /**< name of the animation in a glTF file, or else its number; NULL: by `animation` */
 } DplClipOptions;
 
-/** Reads a motion (BVH text, or glTF/GLB with an animation) and retargets it onto this avatar by humanoid bone names. Scale, rest pose and
- *  axes of the file may differ from the avatar's. The bytes are not kept. options may be NULL. *clip: index of the new clip.
- *  DPL_ERROR_CORRUPT_DATA: damaged file. DPL_ERROR_NOT_FOUND: no such animation in the file. DPL_ERROR_UNSUPPORTED: the skeletons have too
- *  few bones in common; the text lists joints. DPL_ERROR_INVALID_ARGUMENT: general splats, which have no joints. */
+/** Reads a motion (BVH text, or GLB with an animation) and retargets it onto this avatar by humanoid bones: those that the file states
+ *  (VRM), or by the names and the shape of its skeleton. Scale, rest pose and axes of the file may differ from the avatar's. The bytes are
+ *  not kept. options may be NULL. *clip: index of the new clip. What was chosen, left out or is lacking is a warning in the log.
+ *  DPL_ERROR_CORRUPT_DATA: damaged file. DPL_ERROR_NOT_FOUND: no such animation in the file. DPL_ERROR_UNSUPPORTED: another kind of file,
+ *  or too few bones in common; the text lists joints. DPL_ERROR_INVALID_ARGUMENT: general splats, which have no joints. */
 DPL_API DplResult dplLoadClip(DplAvatar avatar, const uint8_t* data, size_t size, const DplClipOptions* options, uint32_t* clip);
 
 /* ---------------------------------------------------------------- driving from trackers */

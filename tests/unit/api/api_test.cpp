@@ -142,6 +142,10 @@ TEST_F(ApiTest, aBvhWithoutHumanBonesIsUnsupportedAndListsIts) {
     EXPECT_EQ(dplLoadClip(avatar_, bytes, bvh.size() / 2, nullptr, &clip), DPL_ERROR_CORRUPT_DATA);
     EXPECT_EQ(dplLoadClip(avatar_, nullptr, 3, nullptr, &clip), DPL_ERROR_INVALID_ARGUMENT);
     EXPECT_EQ(dplLoadClip(avatar_, bytes, bvh.size(), nullptr, nullptr), DPL_ERROR_INVALID_ARGUMENT);
+    DplClipOptions named{sizeof(DplClipOptions), 0, nullptr, 0, "walk"};
+    EXPECT_EQ(dplLoadClip(avatar_, bytes, bvh.size(), &named, &clip), DPL_ERROR_NOT_FOUND) << "a BVH has no animations by name";
+    named.structSize = offsetof(DplClipOptions, animationName);
+    EXPECT_EQ(dplLoadClip(avatar_, bytes, bvh.size(), &named, &clip), DPL_ERROR_UNSUPPORTED) << "callers that do not know the name";
     const DplClipOptions unknown{sizeof(DplClipOptions), 0x80, nullptr, 0};
     EXPECT_EQ(dplLoadClip(avatar_, bytes, bvh.size(), &unknown, &clip), DPL_ERROR_INVALID_ARGUMENT);
     EXPECT_EQ(clip, 77u) << "outputs are written only on DPL_OK";

@@ -117,7 +117,7 @@ TEST(GltfMotion, anAvatarsOwnFileIsAMotion) {
     ASSERT_TRUE(motion) << motion.error().message;
     EXPECT_EQ(motion->name, "turn");
     EXPECT_FLOAT_EQ(motion->timesS.back(), 1.0f);
-    const auto none = readGltfMotion(*bytes, "tiny.glb", 5);
+    const auto none = readGltfMotion(*bytes, "tiny.glb", {{}, 5});
     ASSERT_FALSE(none);
     EXPECT_EQ(none.error().code, Code::NotFound);
     EXPECT_NE(none.error().message.find("'turn'"), std::string::npos) << none.error().message;

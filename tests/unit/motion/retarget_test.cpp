@@ -178,11 +178,17 @@ TEST(Retarget, aMissingBoneFollowsItsAncestor) {
     NEED_MOCAP(motion, "02_01");
     auto rig = personRig(0.8f);
     Motion cut = *motion;
+    assignHumanoidBones(cut.joints);
     for (JointData& j : cut.joints)
-        if (j.name == "lHand") j.name = "hook";
-    const auto clip = retarget(cut, rig);
+        if (j.humanoidBone == "leftHand") j.humanoidBone.clear();
+    std::vector<std::string> notes;
+    RetargetOptions options;
+    options.notes = &notes;
+    const auto clip = retarget(cut, rig, options);
     ASSERT_TRUE(clip);
     for (const ClipChannel& channel : clip->channels) EXPECT_NE(rig[channel.joint].humanoidBone, "leftHand");
+    ASSERT_EQ(notes.size(), 1u);
+    EXPECT_NE(notes[0].find("does not drive leftHand,"), std::string::npos) << notes[0];
 }
 
 TEST(Retarget, aRigInTPoseAndOneInAPoseMoveAlike) {

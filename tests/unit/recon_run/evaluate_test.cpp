@@ -147,7 +147,7 @@ TEST_F(Evaluate, generalSplatsAreRefusedByName) {
     ASSERT_FALSE(scored);
     EXPECT_NE(scored.error().message.find("guitar.ply holds general splats, which have no poses"), std::string::npos)
         << scored.error().message;
-    const auto worn = clothesInMotion(options.avatar, "walk.bvh", false, toy.progress);
+    const auto worn = clothesInMotion(options.avatar, "walk.bvh", {}, false, toy.progress);
     ASSERT_FALSE(worn);
     EXPECT_NE(worn.error().message.find("guitar.ply holds general splats, which have no clothes"), std::string::npos)
         << worn.error().message;
