@@ -131,10 +131,20 @@ Status readJoints(const SkinnedGltf& gltf, std::span<const Mat4f> sceneFromNode,
         if (parentNode[n] < 0 && !body.joints.empty())
             return fail(Code::Unsupported, "body '{}': joints '{}' and '{}' are both roots; put the skeleton under one root joint",
                         body.name, body.joints[0].name, gltf.nodes[n].name);
-        body.joints.push_back({gltf.nodes[n].name, parentNode[n] < 0 ? -1 : place[size_t(parentNode[n])], Vec3f(sceneFromNode[n][3]), ""});
+        body.joints.push_back({gltf.nodes[n].name, parentNode[n] < 0 ? -1 : place[size_t(parentNode[n])], Vec3f(sceneFromNode[n][3]),
+                               gltf.nodes[n].humanoidBone});
     }
     for (const SkinnedGltf::Joint& j : gltf.joints) jointOfGltfJoint.push_back(uint32_t(place[j.node]));
     return {};
+}
+
+/** Up to rounding. */
+bool isIdentity(const Mat4f& m) {
+    constexpr float kRounding = 1e-4f;
+    for (int c = 0; c < 4; ++c)
+        for (int r = 0; r < 4; ++r)
+            if (!(std::abs(m[c][r] - (c == r ? 1.0f : 0.0f)) < kRounding)) return false;
+    return true;
 }
 
 }  // namespace
@@ -148,10 +158,11 @@ Result<BodyModel> decodeBody(std::span<const uint8_t> bytes, std::string_view na
     DPL_RETURN_IF_ERROR(readJoints(gltf, sceneFromNode, body, jointOfGltfJoint));
 
     // A vertex is placed by the skin at the node tree's rest pose: Σ w · sceneFromNode · jointFromMesh · v. In files from encodeBody() this
-    // is the identity up to rounding, so their positions are kept as stored.
+    // is the identity up to rounding, so their positions are kept as stored. An optimiser that quantised them has changed the matrices.
     const std::optional<Json> extras = findExtras(bytes);
     std::vector<Mat4f> sceneFromMesh;
     for (const SkinnedGltf::Joint& j : gltf.joints) sceneFromMesh.push_back(sceneFromNode[j.node] * j.jointFromMesh);
+    const bool asStored = extras && std::all_of(sceneFromMesh.begin(), sceneFromMesh.end(), isIdentity);
     MeshData& mesh = body.mesh;
     for (const SkinnedGltf::Mesh& part : gltf.meshes) {
         if (!part.skinned) continue;
@@ -174,11 +185,11 @@ Result<BodyModel> decodeBody(std::span<const uint8_t> bytes, std::string_view na
                 m += part.jointWeights[v][i] * sceneFromMesh[joint];
                 influences.emplace_back(jointOfGltfJoint[joint], part.jointWeights[v][i]);
             }
-            if (!extras) blend[v] = m;
+            if (!asStored) blend[v] = m;
             const PackedWeights packed = packWeights(influences);
             mesh.jointIndices.push_back(packed.joints);
             mesh.jointWeights.push_back(packed.weights);
-            mesh.restPositions.push_back(extras ? part.positions[v] : Vec3f(m * Vec4f(part.positions[v], 1)));
+            mesh.restPositions.push_back(asStored ? part.positions[v] : Vec3f(m * Vec4f(part.positions[v], 1)));
             const Vec4f colour = part.colours.empty() ? Vec4f(0.8f, 0.7f, 0.6f, 1) : part.colours[v];
             mesh.colours.push_back(glm::u8vec4(glm::clamp(Vec3f(colour), 0.0f, 1.0f) * 255.0f + 0.5f, 255));
         }

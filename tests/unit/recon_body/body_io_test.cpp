@@ -3,9 +3,12 @@
 
 #include <gtest/gtest.h>
 
+#include <cstring>
 #include <fstream>
+#include <nlohmann/json.hpp>
 
 #include "small_body.h"
+#include "tests/unit/format/glb_parts.h"
 
 namespace dpl {
 namespace {
@@ -100,6 +103,77 @@ TEST(BodyIo, ownBodyComesBackBitForBit) {
     ASSERT_EQ(back->keypoints.size(), body.keypoints.size());
     EXPECT_EQ(back->keypoints.back().vertices, body.keypoints.back().vertices);
     EXPECT_EQ(*encodeBody(*back), *bytes);
+}
+
+/** Stores positions as an optimiser does: q = (p − shift) / scale, undone by the bind matrices. */
+std::vector<uint8_t> rescaled(std::vector<uint8_t> bytes, float scale, const Vec3f& shift) {
+    uint32_t jsonBytes = 0;
+    std::memcpy(&jsonBytes, bytes.data() + 12, 4);
+    const auto gltf = nlohmann::json::parse(bytes.data() + 20, bytes.data() + 20 + jsonBytes);
+    const auto change = [&](size_t accessor, size_t floats, auto&& with) {
+        const auto& a = gltf["accessors"][accessor];
+        const auto& view = gltf["bufferViews"][a["bufferView"].get<size_t>()];
+        uint8_t* at = bytes.data() + 20 + jsonBytes + 8 + view.value("byteOffset", 0u) + a.value("byteOffset", 0u);
+        for (size_t i = 0; i < a["count"].get<size_t>(); ++i, at += view.value("byteStride", 4 * floats)) {
+            std::vector<float> values(floats);
+            std::memcpy(values.data(), at, 4 * floats);
+            with(values);
+            std::memcpy(at, values.data(), 4 * floats);
+        }
+    };
+    for (const auto& skin : gltf["skins"])
+        change(skin["inverseBindMatrices"], 16, [&](std::vector<float>& m) {
+            for (int r = 0; r < 4; ++r) {
+                for (int c = 0; c < 3; ++c) m[12 + size_t(r)] += m[size_t(4 * c + r)] * shift[c];
+                for (int c = 0; c < 3; ++c) m[size_t(4 * c + r)] *= scale;
+            }
+        });
+    for (const auto& mesh : gltf["meshes"])
+        for (const auto& primitive : mesh["primitives"]) {
+            change(primitive["attributes"]["POSITION"], 3, [&](std::vector<float>& p) {
+                for (int c = 0; c < 3; ++c) p[size_t(c)] = (p[size_t(c)] - shift[c]) / scale;
+            });
+            for (const auto& target : primitive.value("targets", nlohmann::json::array()))
+                change(target["POSITION"], 3, [&](std::vector<float>& p) {
+                    for (float& x : p) x /= scale;
+                });
+        }
+    return bytes;
+}
+
+TEST(BodyIo, anOptimisedOwnBodyIsPlacedByItsBindMatrices) {
+    const BodyModel body = smallBody();
+    const auto bytes = encodeBody(body);
+    ASSERT_TRUE(bytes) << bytes.error().message;
+    const auto back = decodeBody(rescaled(*bytes, 0.25f, {0.1f, 0.8f, -0.2f}), "optimised");
+    ASSERT_TRUE(back) << back.error().message;
+    for (size_t v = 0; v < body.mesh.restPositions.size(); ++v)
+        ASSERT_LT(glm::length(back->mesh.restPositions[v] - body.mesh.restPositions[v]), 1e-5f) << v;
+    ASSERT_EQ(back->morphs.size(), body.morphs.size());
+    for (size_t v = 0; v < body.mesh.restPositions.size(); ++v)
+        ASSERT_LT(glm::length(back->morphs[0].vertexOffsets[v] - body.morphs[0].vertexOffsets[v]), 1e-5f) << v;
+}
+
+TEST(BodyIo, aForeignBodysHumanoidMapIsHeard) {
+    const BodyModel body = smallBody();
+    test::GlbParts parts = test::split(*encodeBody(body));
+    for (auto& mesh : parts.json["meshes"]) mesh.erase("extras");
+    auto& nodes = parts.json["nodes"];
+    nlohmann::json bones = nlohmann::json::object();
+    for (size_t n = 0; n < nodes.size(); ++n) {
+        const std::string name = nodes[n].value("name", "");
+        const int joint = findJoint(body.joints, name);
+        if (joint >= 0 && !body.joints[size_t(joint)].humanoidBone.empty()) bones[body.joints[size_t(joint)].humanoidBone] = {{"node", n}};
+        nodes[n]["name"] = name.starts_with("left_")    ? "right_" + name.substr(5)
+                           : name.starts_with("right_") ? "left_" + name.substr(6)
+                                                        : name;
+    }
+    parts.json["extensions"]["VRMC_vrm"] = {{"humanoid", {{"humanBones", bones}}}};
+    const auto back = decodeBody(parts.bytes(), "vrm");
+    ASSERT_TRUE(back) << back.error().message;
+    for (const char* bone : {"leftUpperArm", "leftLowerLeg", "rightHand"})
+        EXPECT_EQ(back->joints[size_t(findHumanoid(*back, bone))].restPosition, body.joints[size_t(findHumanoid(body, bone))].restPosition)
+            << bone << ": the names say the other side";
 }
 
 TEST(BodyIo, everyTruncationIsAnError) {
