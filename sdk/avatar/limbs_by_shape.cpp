@@ -9,13 +9,13 @@ namespace dpl {
 namespace {
 
 constexpr float kLimbShare = 0.5f;   // of the longest pair's length: legs and arms are about equally long, fingers and feet are not
-constexpr float kMirrored = 1.15f;   // left and right differ by no more
 constexpr float kHeadShare = 0.08f;  // of the longest pair's length: neck and head are longer
 constexpr float kArmOfLeg = 0.66f;   // shoulder to wrist over hip to ankle
 constexpr float kUpperOfLowerArm = 1.1f;
 constexpr float kStub = 0.3f;        // of a thigh
 constexpr size_t kHandBranches = 3;  // fingers of a hand at least, where there are any
 constexpr float kSameShape = 0.3f;   // share by which the first bones of mirrored branches may differ
+constexpr size_t kMostBranches = 8;  // of a joint, the longest, among which a pair is looked for
 constexpr size_t kLongestPath = 32;  // joints from the trunk among which knees and elbows are looked for
 
 /** A limb's branch: the joint at which it leaves the trunk, and the way to its farthest end. */
@@ -98,14 +98,14 @@ private:
         }
     }
 
-    /** Branches of one joint that mirror each other. */
+    /** Branches of one joint whose first bones mirror each other; a hand may hold something. */
     void findPairs() {
         for (size_t j = 0; j < joints_.size(); ++j) {
             std::vector<size_t> sorted = children_[j];
             std::sort(sorted.begin(), sorted.end(), [&](size_t a, size_t b) { return extentOf(a) > extentOf(b); });
+            sorted.resize(std::min(sorted.size(), kMostBranches));
             for (size_t i = 0; i + 1 < sorted.size(); ++i)
-                for (size_t k = i + 1; k < std::min(i + 3, sorted.size()); ++k) {
-                    if (!(extentOf(sorted[k]) > 0) || extentOf(sorted[i]) > kMirrored * extentOf(sorted[k])) break;
+                for (size_t k = i + 1; k < sorted.size(); ++k) {
                     Pair pair{j, {branchFrom(sorted[i]), branchFrom(sorted[k])}};
                     if (pair.branches[0].path.size() >= 3 && pair.branches[1].path.size() >= 3 && mirrors(pair))
                         pairs_.push_back(std::move(pair));
