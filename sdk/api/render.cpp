@@ -5,6 +5,7 @@
 
 #include "sdk/api/api_state.h"
 #include "sdk/api/compose.h"
+#include "sdk/api/frame_stats.h"
 #include "sdk/api/scene.h"
 
 using namespace dpl;
@@ -200,23 +201,7 @@ extern "C" DplResult dplGetFrameStats(DplAvatar avatar, DplFrameStats* stats) {
         std::lock_guard lock(found->context->mutex);
         if (!found->context->renderer) return fail(Code::InvalidArgument, "the context was destroyed");
         DPL_TRY(found->stats, found->context->renderer->stats(found->renderId));
-        DplFrameStats out{};
-        out.viewCount = found->stats.views;
-        out.splatsDrawn = found->stats.splatsDrawn;
-        out.trianglesInView = found->stats.trianglesInView, out.trianglesFacing = found->stats.trianglesFacing;
-        out.chunkCount = found->stats.chunks, out.chunksProjected = found->stats.chunksProjected;
-        out.splatsInView = found->stats.splatsInView, out.splatsFacing = found->stats.splatsFacing;
-        out.passCount = uint32_t(found->stats.passes.size());
-        out.residentBytes = found->stats.residentBytes;
-        out.waits = found->stats.waits;
-        out.avatarBytes = found->stats.avatarBytes, out.splatBytes = found->stats.splatBytes;
-        out.bytesDecided = found->stats.bytesDecided, out.bytesDecoded = found->stats.bytesDecoded;
-        for (const PassTime& pass : found->stats.passes) out.gpuMs += pass.milliseconds;
-        out.tileEntries = found->stats.tileEntries;
-        out.tilesOverflowed = found->stats.tilesOverflowed ? 1 : 0;
-        out.splatsAllowed = uint32_t(std::min<uint64_t>(found->stats.splatsAllowed, UINT32_MAX)),
-        out.detailShare = found->stats.detailShare;
-        out.componentCount = found->stats.components, out.componentsInView = found->stats.componentsInView;
+        DplFrameStats out = publicStats(found->stats);
         const FrameTiming& timing = timingOf(*found->context, *found);
         out.frameMs = timing.ms;
         out.keptWanted = uint32_t(std::min<uint64_t>(timing.last.wantedKept, UINT32_MAX));

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "sdk/api/frame_stats.h"
 #include "sdk/backend/vulkan/vulkan_test_options.h"
 #include "sdk/format/avatar_file.h"
 #include "sdk/format/splat_file.h"
@@ -48,15 +49,8 @@ public:
     Result<DrawerStats> stats() override {
         DPL_TRY(const FrameStats s, renderer_->stats(avatar_));
         DrawerStats out{};
-        DplFrameStats& f = out.frame;
-        f.viewCount = s.views, f.trianglesInView = s.trianglesInView, f.trianglesFacing = s.trianglesFacing;
-        f.splatsInView = s.splatsInView, f.splatsFacing = s.splatsFacing, f.splatsDrawn = s.splatsDrawn;
-        f.chunkCount = s.chunks, f.chunksProjected = s.chunksProjected;
-        f.componentCount = s.components, f.componentsInView = s.componentsInView;
-        f.tileEntries = s.tileEntries, f.tilesOverflowed = s.tilesOverflowed;
-        f.residentBytes = s.residentBytes, f.splatBytes = s.splatBytes, f.avatarBytes = s.avatarBytes;
-        f.bytesDecided = s.bytesDecided, f.bytesDecoded = s.bytesDecoded, f.waits = s.waits;
-        for (const PassTime& pass : s.passes) out.passes.emplace_back(pass.label, pass.milliseconds), f.gpuMs += pass.milliseconds;
+        out.frame = api::publicStats(s);
+        for (const PassTime& pass : s.passes) out.passes.emplace_back(pass.label, pass.milliseconds);
         return out;
     }
 
