@@ -64,8 +64,7 @@ std::vector<Sight> lookAt(std::span<const Vec3f> positions, std::span<const Tria
         if (!(px.x >= 0 && px.y >= 0 && px.x < camera.widthPx && px.y < camera.heightPx)) continue;
         if (mask && !isPerson(mask->pixels[size_t(px.y) * mask->widthPx + size_t(px.x)])) continue;
         const size_t x = std::min<size_t>(size_t(seen.x), raster.widthPx - 1), y = std::min<size_t>(size_t(seen.y), raster.heightPx - 1);
-        const double slope = std::sqrt(1 - std::min(1.0, cosine * cosine)) / cosine, bias = kBiasM + 1.5 * slope * view.z / small.fx;
-        if (view.z > double(raster.depthM[y * raster.widthPx + x]) + bias) continue;
+        if (view.z > double(raster.depthM[y * raster.widthPx + x]) + kBiasM + 1.5 * recedingM(cosine, view.z, small)) continue;
         out[t] = {float(largestPixel(camera, view, camera.viewFromWorldRotation * normal)), cosine > kStraight};
     }
     return out;

@@ -6,6 +6,7 @@
 #include "reconstruction/output/dress/seen_skin.h"
 #include "reconstruction/output/dress/splat_fill.h"
 #include "reconstruction/subject/garments/garment_cover.h"
+#include "reconstruction/subject/surface/body_places.h"
 #include "reconstruction/subject/surface/mesh_raster.h"
 #include "reconstruction/subject/surface/orbit_camera.h"
 #include "reconstruction/training/trainer/init.h"
@@ -28,14 +29,13 @@ SurfaceMesh joined(std::span<const LayerPart> parts) {
 /** 1 for each triangle of the body that lies below one of the garments. */
 Marks coveredBy(const MeshData& body, const std::vector<SurfaceMesh>& garments, Jobs& jobs) {
     const std::vector<GarmentCover> covers(garments.begin(), garments.end());
-    const std::vector<Vec3f> normals = vertexNormals(body.restPositions, body.triangles);
+    const std::vector<Vec3f> normals = vertexNormals(body.restPositions, body.triangles), middles = restMiddles(body);
     Marks covered(body.triangles.size(), 0);
     jobs.forRange(covered.size(), 1024, [&](size_t begin, size_t end, uint32_t) {
         for (size_t t = begin; t < end; ++t) {
             const Triangle& c = body.triangles[t];
-            const Vec3f centre = (body.restPositions[c.x] + body.restPositions[c.y] + body.restPositions[c.z]) / 3.0f;
             const Vec3f normal = glm::normalize(normals[c.x] + normals[c.y] + normals[c.z] + Vec3f(1e-12f));
-            for (const GarmentCover& cover : covers) covered[t] |= cover.heightOf(centre, normal).has_value();
+            for (const GarmentCover& cover : covers) covered[t] |= cover.heightOf(middles[t], normal).has_value();
         }
     });
     return covered;

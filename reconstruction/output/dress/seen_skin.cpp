@@ -28,11 +28,6 @@ constexpr float kStain = 0.1f, kLeastStain = 0.04f;
 constexpr float kSameColour = 0.8f;    // least cosine between the two directions
 constexpr float kStainReachM = 0.05f;  // between the middles of the two triangles
 
-Vec3f middleOf(const MeshData& mesh, size_t triangle) {
-    const Triangle& c = mesh.triangles[triangle];
-    return (mesh.restPositions[c.x] + mesh.restPositions[c.y] + mesh.restPositions[c.z]) / 3.0f;
-}
-
 /** Whether a raster of the mesh hides a point of it with this unit normal from the camera. */
 bool isHidden(const Vec3d& point, const Vec3d& normal, const Camerad& camera, const MeshRaster& raster) {
     const Vec3d view = camera.toView(point), toEye = camera.eye() - point;
@@ -40,9 +35,8 @@ bool isHidden(const Vec3d& point, const Vec3d& normal, const Camerad& camera, co
     if (!(view.z > 0) || !(cosine > kStraight)) return true;
     const Vec2d px = camera.pixelOf(view);
     if (!(px.x >= 0 && px.y >= 0 && px.x < raster.widthPx && px.y < raster.heightPx)) return true;
-    const double slope = std::sqrt(1 - std::min(1.0, cosine * cosine)) / cosine;
     const float depth = raster.depthM[size_t(px.y) * raster.widthPx + size_t(px.x)];
-    return view.z > double(depth) + kBiasM + slope * view.z / camera.fx;
+    return view.z > double(depth) + kBiasM + recedingM(cosine, view.z, camera);
 }
 
 }  // namespace
@@ -50,7 +44,7 @@ bool isHidden(const Vec3d& point, const Vec3d& normal, const Camerad& camera, co
 Marks shownTriangles(const SurfaceMesh& mesh, const MeshData& body, const Marks& covered, Jobs& jobs) {
     Vec3f low(1e30f), high(-1e30f);
     for (const Vec3f& p : body.restPositions) low = glm::min(low, p), high = glm::max(high, p);
-    const std::vector<Vec3f> normals = restNormals(body);
+    const std::vector<Vec3f> normals = restNormals(body), middles = restMiddles(body);
     constexpr size_t kViews = kAzimuths * std::size(kElevations);
     std::vector<Marks> ofView(kViews, Marks(mesh.triangles.size(), 0));
     jobs.forBlocks(kViews, [&](size_t view, uint32_t) {
@@ -62,7 +56,7 @@ Marks shownTriangles(const SurfaceMesh& mesh, const MeshData& body, const Marks&
             if (t != kNoTriangle) shown[t] = 1;
         for (size_t t = 0; t < body.triangles.size(); ++t) {
             if (shown[t] || covered[t]) continue;
-            shown[t] = !isHidden(Vec3d(middleOf(body, t)), Vec3d(normals[t]), camera, raster);
+            shown[t] = !isHidden(Vec3d(middles[t]), Vec3d(normals[t]), camera, raster);
         }
     });
     Marks shown(mesh.triangles.size(), 0);
@@ -91,10 +85,11 @@ Marks faceTriangles(std::span<const JointData> joints, const MeshData& body) {
         middle = 0.5f * (a + b), between = glm::length(a - b);
     }
     const std::vector<BodyPlace> places = placesOf(joints, body);
+    const std::vector<Vec3f> middles = restMiddles(body);
     Marks face(body.triangles.size(), 0);
     for (size_t t = 0; t < face.size(); ++t) {
         if (places[t] != BodyPlace::Face) continue;
-        const Vec3f at = middleOf(body, t) - middle;
+        const Vec3f at = middles[t] - middle;
         face[t] = !eyes || (std::abs(at.x) < kFaceAcross * between && at.y < kFaceAbove * between && at.y > -kFaceBelow * between);
     }
     return face;
@@ -107,14 +102,16 @@ Marks clothColoured(const LayerPart& body, const Marks& edge, std::span<const Ve
     std::vector<Patch> cloth;
     for (const LayerPart& part : clothes) {
         const std::vector<Vec4f> colours = splatColours(part);
+        const std::vector<Vec3f> middles = restMiddles(part.mesh);
         for (size_t t = 0; t < colours.size(); ++t)
-            if (colours[t].w > 0) cloth.push_back({middleOf(part.mesh, t), Vec3f(colours[t]) / colours[t].w});
+            if (colours[t].w > 0) cloth.push_back({middles[t], Vec3f(colours[t]) / colours[t].w});
     }
     const std::vector<Vec4f> colours = splatColours(body);
+    const std::vector<Vec3f> middles = restMiddles(body.mesh);
     Marks marked(edge.size(), 0);
     for (size_t t = 0; t < edge.size(); ++t) {
         if (!edge[t] || !(colours[t].w > 0)) continue;
-        const Vec3f off = Vec3f(colours[t]) / colours[t].w - skin[t], middle = middleOf(body.mesh, t);
+        const Vec3f off = Vec3f(colours[t]) / colours[t].w - skin[t], middle = middles[t];
         marked[t] = std::any_of(cloth.begin(), cloth.end(), [&](const Patch& patch) {
             const Vec3f away = patch.middle - middle, toCloth = patch.colour - skin[t];
             const float differ = glm::length(toCloth);

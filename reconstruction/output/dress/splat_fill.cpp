@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "reconstruction/subject/shape/spread_place.h"
+#include "reconstruction/subject/surface/body_places.h"
 #include "reconstruction/training/trainer/init.h"
 #include "sdk/math/sh.h"
 
@@ -17,18 +18,12 @@ constexpr float kOpacity = 0.9f;     // of filled splats; they overlap
 constexpr float kSpacings = 0.8f;    // standard deviation of a filled splat over the spacing of splats
 constexpr double kWeakShare = 0.33;  // of the median coverage, below which a garment's triangle is filled
 
-double areaOf(const MeshData& mesh, size_t triangle) {
-    const Triangle& t = mesh.triangles[triangle];
-    const Vec3d a(mesh.restPositions[t.x]), b(mesh.restPositions[t.y]), c(mesh.restPositions[t.z]);
-    return 0.5 * glm::length(glm::cross(b - a, c - a));
-}
-
-/** Splats for each square metre of the trusted triangles; 0 if they have none. */
-double splatDensity(const LayerPart& part, const Marks& distrusted) {
+/** Splats for each square metre of the trusted triangles; 0 if they have none. areas: m², of the triangles. */
+double splatDensity(const LayerPart& part, std::span<const double> areas, const Marks& distrusted) {
     double splats = 0, area = 0;
     for (size_t t = 0; t < distrusted.size(); ++t) {
         const uint32_t count = part.splats.triangleStart[t + 1] - part.splats.triangleStart[t];
-        if (!distrusted[t] && count > 0) splats += count, area += areaOf(part.mesh, t);
+        if (!distrusted[t] && count > 0) splats += count, area += areas[t];
     }
     return area > 0 ? splats / area : 0;
 }
@@ -109,7 +104,8 @@ std::vector<Vec3f> coloursAround(const LayerPart& part, const Marks& distrusted,
 }
 
 uint32_t fillSplats(const Marks& fill, const Marks& empty, const Marks& distrusted, std::span<const Vec3f> around, LayerPart& part) {
-    const double splatsPerM2 = splatDensity(part, distrusted);
+    const std::vector<double> areas = restAreas(part.mesh);
+    const double splatsPerM2 = splatDensity(part, areas, distrusted);
     const Marks flags = faceFlags(part);
     uint8_t kind = 0;  // cloth or not: as the part's other splats
     for (const uint8_t flag : part.splats.flags) kind |= flag & kSplatCloth;
@@ -119,7 +115,7 @@ uint32_t fillSplats(const Marks& fill, const Marks& empty, const Marks& distrust
     uint32_t filled = 0;
     const Marks kept = verticesThatStay(part, fill, empty);
     for (size_t t = 0; t < fill.size(); ++t) {
-        const double area = areaOf(part.mesh, t);
+        const double area = areas[t];
         if (fill[t] && splatsPerM2 > 0 && area > 0) {
             ++filled;
             fillTriangle(around[t], area, uint32_t(std::max(1.0, std::round(area * splatsPerM2))), uint8_t(flags[t] | kind), splats);
@@ -150,12 +146,11 @@ uint32_t mendGarment(const Marks& uncovered, LayerPart& garment) {
     const SplatData& s = garment.splats;
     const size_t count = garment.mesh.triangles.size();
     const Neighbours neighbours = triangleNeighbours(garment.mesh);
-    std::vector<double> mass(count, 0), area(count), coverage(count);
-    for (size_t t = 0; t < count; ++t) {
-        area[t] = areaOf(garment.mesh, t);
+    const std::vector<double> area = restAreas(garment.mesh);
+    std::vector<double> mass(count, 0), coverage(count);
+    for (size_t t = 0; t < count; ++t)
         for (uint32_t i = s.triangleStart[t]; i < s.triangleStart[t + 1]; ++i)
             mass[t] += 2 * std::numbers::pi * double(s.opacity[i] * s.scaleM[i].x * s.scaleM[i].y);
-    }
     for (size_t t = 0; t < count; ++t) {  // over the neighbourhood, because splats reach across edges
         double m = mass[t], a = area[t];
         for (const uint32_t other : neighbours[t]) m += mass[other], a += area[other];

@@ -91,6 +91,14 @@ std::vector<double> restAreas(const MeshData& mesh) {
     return out;
 }
 
+std::vector<Vec3f> restMiddles(const MeshData& mesh) {
+    std::vector<Vec3f> out;
+    out.reserve(mesh.triangles.size());
+    for (const Triangle& t : mesh.triangles)
+        out.push_back((mesh.restPositions[t.x] + mesh.restPositions[t.y] + mesh.restPositions[t.z]) / 3.0f);
+    return out;
+}
+
 std::vector<Vec3f> restNormals(const MeshData& mesh) {
     std::vector<Vec3f> out;
     out.reserve(mesh.triangles.size());

@@ -48,6 +48,9 @@ std::vector<uint32_t> jointOfTriangles(const MeshData& mesh);
 /** The area of each triangle at rest, m². F. */
 std::vector<double> restAreas(const MeshData& mesh);
 
+/** The middle of each triangle at rest. F. */
+std::vector<Vec3f> restMiddles(const MeshData& mesh);
+
 /** The normal of each triangle at rest, unit length; of degenerate triangles (0, 0, 1). F. */
 std::vector<Vec3f> restNormals(const MeshData& mesh);
 

@@ -62,6 +62,10 @@ double frontCosine(std::span<const Vec3f> positions, const Triangle& triangle, c
     return glm::dot(normal, toEye) / std::max(1e-20, glm::length(normal) * glm::length(toEye));
 }
 
+double recedingM(double cosine, double viewZ, const Camerad& camera) {
+    return std::sqrt(1 - std::min(1.0, cosine * cosine)) / cosine * viewZ / camera.fx;
+}
+
 double silhouetteIou(const MeshRaster& raster, std::span<const uint8_t> mask) {
     size_t both = 0, either = 0;
     for (size_t i = 0; i < raster.triangle.size() && i < mask.size(); ++i) {

@@ -28,6 +28,10 @@ MeshRaster rasteriseMesh(std::span<const Vec3f> positions, std::span<const Trian
 /** Cosine between the normal of a triangle and the way from its first corner to the eye; above 0 the eye sees its front. */
 double frontCosine(std::span<const Vec3f> positions, const Triangle& triangle, const Vec3d& eye);
 
+/** By how much the view depth of a surface changes over one pixel. cosine > 0: between its normal and the way to the eye; viewZ: its depth.
+ */
+double recedingM(double cosine, double viewZ, const Camerad& camera);
+
 /** Intersection over union of the covered pixels with mask ≥ 128. 1 when both are empty. */
 double silhouetteIou(const MeshRaster& raster, std::span<const uint8_t> mask);
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "reconstruction/subject/surface/mesh_raster.h"
+#include "reconstruction/subject/surface/body_places.h"
 
 #include <gtest/gtest.h>
 
@@ -54,6 +55,20 @@ TEST(MeshRaster, theFrontOfATriangleHasACosineAboveZero) {
     EXPECT_NEAR(frontCosine(positions, {0, 2, 1}, {0, 0, 5}), -1, 1e-12);
     EXPECT_NEAR(frontCosine(positions, {0, 1, 2}, {3, 0, 4}), 0.8, 1e-12);
     EXPECT_EQ(frontCosine(positions, {0, 1, 1}, {0, 0, 5}), 0) << "no normal";
+}
+
+TEST(MeshRaster, aPlaneRecedesByItsSlopeTimesTheSizeOfAPixel) {
+    Camerad camera = frontCamera();
+    camera.fx = 100;
+    EXPECT_NEAR(recedingM(0.6, 2, camera), 0.8 / 0.6 * 0.02, 1e-12);
+    EXPECT_EQ(recedingM(1 + 1e-9, 2, camera), 0) << "seen straight, with a cosine rounded up";
+}
+
+TEST(BodyPlaces, middlesAreTheMeansOfTheCorners) {
+    MeshData mesh;
+    mesh.restPositions = {{0, 0, 0}, {3, 0, 0}, {0, 6, 0}, {3, 0, 9}};
+    mesh.triangles = {{0, 1, 2}, {1, 2, 3}};
+    EXPECT_EQ(restMiddles(mesh), (std::vector<Vec3f>{{1, 2, 0}, {2, 2, 3}}));
 }
 
 TEST(VertexColours, takesThePictureAndFillsWhatNobodySaw) {
