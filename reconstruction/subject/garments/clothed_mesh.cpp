@@ -183,8 +183,9 @@ Result<std::vector<LegDecision>> partLegs(const GarmentInput& input, const Still
         if (other != parted.taken.pieces.end()) {
             DPL_TRY(const WornGarment* one, garmentAsWorn(outside, joined, input, body, jobs));
             DPL_TRY(const WornGarment* two, garmentAsWorn(parted, *other, input, body, jobs));
-            decisions.back().seen = betweenLegs(one->mesh, gap.between(one->still, one->mesh.triangles), two->mesh, label.value,
-                                                labels[0].value, input.joints, input.moving, jobs);
+            const std::vector<uint8_t> between = gap.between(one->still, one->mesh.triangles);
+            decisions.back().seen =
+                betweenLegs({one->mesh, between, two->mesh, label.value, labels[0].value}, input.joints, input.moving, jobs);
         }
         if (!decisions.back().seen.parted()) apart[joined.column] = 0, same = false;
     }

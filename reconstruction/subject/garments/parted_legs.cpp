@@ -27,8 +27,7 @@ bool BetweenLegs::parted() const {
     return free >= priors::kFewestFreePixels && free > priors::kFreePerCloth * cloth;
 }
 
-BetweenLegs betweenLegs(const MeshData& joined, std::span<const uint8_t> between, const MeshData& parted, uint8_t label, uint8_t bare,
-                        std::span<const JointData> joints, std::span<const GarmentView> moving, Jobs& jobs) {
+BetweenLegs betweenLegs(const LegForms& garment, std::span<const JointData> joints, std::span<const GarmentView> moving, Jobs& jobs) {
     std::vector<const GarmentView*> views;
     for (const GarmentView& view : moving)
         if (!view.labels.pixels.empty()) views.push_back(&view);
@@ -38,17 +37,17 @@ BetweenLegs betweenLegs(const MeshData& joined, std::span<const uint8_t> between
         const GarmentView& view = *views[k * views.size() / count];
         std::vector<Mat3x4f> worldFromRest;
         jointTransforms(joints, view.pose, worldFromRest);
-        const MeshRaster one = drawn(joined, worldFromRest, view.camera), two = drawn(parted, worldFromRest, view.camera);
+        const MeshRaster one = drawn(garment.joined, worldFromRest, view.camera), two = drawn(garment.parted, worldFromRest, view.camera);
         for (size_t row = 0; row < one.heightPx; ++row) {
             const size_t first = row * one.widthPx;
             const auto shows = [&](size_t p, uint8_t what) { return isPerson(view.mask.pixels[p]) && view.labels.pixels[p] == what; };
             size_t left = first, right = first + one.widthPx;
-            while (left < right && !shows(left, label)) ++left;
-            while (right > left && !shows(right - 1, label)) --right;
+            while (left < right && !shows(left, garment.label)) ++left;
+            while (right > left && !shows(right - 1, garment.label)) --right;
             for (size_t p = left; p < right; ++p) {  // elsewhere no cloth is beside the pixel
-                if (one.triangle[p] == kNoTriangle || !between[one.triangle[p]] || two.triangle[p] != kNoTriangle) continue;
-                ofView[k].free += !isPerson(view.mask.pixels[p]) || shows(p, bare);
-                ofView[k].cloth += shows(p, label);
+                if (one.triangle[p] == kNoTriangle || !garment.between[one.triangle[p]] || two.triangle[p] != kNoTriangle) continue;
+                ofView[k].free += !isPerson(view.mask.pixels[p]) || shows(p, garment.bare);
+                ofView[k].cloth += shows(p, garment.label);
             }
         }
     });

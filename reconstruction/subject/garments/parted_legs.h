@@ -19,12 +19,20 @@ struct BetweenLegs {
     bool parted() const;
 };
 
-/** Poses both forms of a garment (rest positions with skin weights) as in each picture and counts the pixels in which `joined` shows a
- *  triangle that lies `between` the legs (a flag for each), and `parted` shows nothing. Elsewhere the forms differ too, by their weights,
+/** A garment in both forms: rest positions with skin weights. */
+struct LegForms {
+    const MeshData& joined;            // one tube
+    std::span<const uint8_t> between;  // of its triangles; 1: lies between the legs
+    const MeshData& parted;            // two tubes
+    uint8_t label = 0;                 // of the garment in the pictures
+    uint8_t bare = 0;                  // of skin
+};
+
+/** Poses both forms as in each picture and counts the pixels in which `joined` shows a triangle between the legs, and `parted` shows
+ *  nothing. Elsewhere the forms differ too, by their weights,
  *  but that tells nothing. In the picture the garment must be on both sides, in the same row: below a hem that swung up, a skirt shows the
  *  legs too. Pixels with another label than the garment's and `bare`, that of skin, count for neither. Views without labels are left out,
  *  and of more than 48 views an even share is used. */
-BetweenLegs betweenLegs(const MeshData& joined, std::span<const uint8_t> between, const MeshData& parted, uint8_t label, uint8_t bare,
-                        std::span<const JointData> joints, std::span<const GarmentView> moving, Jobs& jobs);
+BetweenLegs betweenLegs(const LegForms& garment, std::span<const JointData> joints, std::span<const GarmentView> moving, Jobs& jobs);
 
 }  // namespace dpl

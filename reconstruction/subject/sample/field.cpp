@@ -6,11 +6,16 @@ namespace {
 
 constexpr int kFineStations = 49;
 
-float catmullRom(float p0, float p1, float p2, float p3, float s0, float s1, float s2, float s3, float s) {
+struct Knot {
+    float s = 0, value = 0;
+};
+
+/** The value at s, between `a` and `b`. */
+float catmullRom(const Knot& before, const Knot& a, const Knot& b, const Knot& after, float s) {
     // Tangents take the spacing into account, which prevents overshoot between unevenly spaced stations.
-    const float m1 = (p2 - p0) / (s2 - s0), m2 = (p3 - p1) / (s3 - s1);
-    const float h = s2 - s1, t = (s - s1) / h, t2 = t * t, t3 = t2 * t;
-    return (2 * t3 - 3 * t2 + 1) * p1 + (t3 - 2 * t2 + t) * h * m1 + (-2 * t3 + 3 * t2) * p2 + (t3 - t2) * h * m2;
+    const float m1 = (b.value - before.value) / (b.s - before.s), m2 = (after.value - a.value) / (after.s - a.s);
+    const float h = b.s - a.s, t = (s - a.s) / h, t2 = t * t, t3 = t2 * t;
+    return (2 * t3 - 3 * t2 + 1) * a.value + (t3 - 2 * t2 + t) * h * m1 + (-2 * t3 + 3 * t2) * b.value + (t3 - t2) * h * m2;
 }
 
 }  // namespace
@@ -33,7 +38,9 @@ Tube::Tube(const Vec3f& origin, const Vec3f& axis, const Vec3f& u, std::vector<T
         if (k == 0) before.s = stations[0].s - (stations[1].s - stations[0].s);
         if (k + 2 > last) after.s = stations[last].s + (stations[last].s - stations[last - 1].s);
         const TubeStation &a = stations[k], &b = stations[k + 1];
-        auto at = [&](float TubeStation::*m) { return catmullRom(before.*m, a.*m, b.*m, after.*m, before.s, a.s, b.s, after.s, s); };
+        auto at = [&](float TubeStation::*m) {
+            return catmullRom({before.s, before.*m}, {a.s, a.*m}, {b.s, b.*m}, {after.s, after.*m}, s);
+        };
         fine_[i] = {s,
                     at(&TubeStation::centreU),
                     at(&TubeStation::centreV),

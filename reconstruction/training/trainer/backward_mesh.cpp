@@ -15,10 +15,11 @@ VertexIncidence::VertexIncidence(std::span<const Triangle> triangles, size_t ver
         for (int c = 0; c < 3; ++c) corners[next[triangles[t][c]]++] = uint32_t(t * 3 + size_t(c));
 }
 
-void backwardSkin(const MeshData& mesh, std::span<const Vec3f> rest, std::span<const JointData> joints,
-                  std::span<const Mat3x4f> worldFromRest, std::span<const Vec3f> gPosed, Jobs& jobs, std::vector<Vec3f>& gRest,
-                  PoseGradient<double>& pose) {
+void backwardSkin(const MeshData& mesh, std::span<const JointData> joints, const PosedMesh& posed, std::span<const Vec3f> gPosed,
+                  Jobs& jobs, std::vector<Vec3f>& gRest, PoseGradient<double>& pose) {
     constexpr size_t kGrain = 2048;
+    const std::span<const Vec3f> rest = posed.rest();
+    const std::span<const Mat3x4f> worldFromRest = posed.worldFromRest();
     const size_t count = rest.size(), blocks = (count + kGrain - 1) / kGrain, jointCount = joints.size();
     gRest.resize(count);
     std::vector<JointWrench<float>> partial(blocks * jointCount);

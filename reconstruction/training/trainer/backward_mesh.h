@@ -8,6 +8,7 @@
 #include <span>
 #include <vector>
 
+#include "sdk/avatar/posed_mesh.h"
 #include "sdk/core/jobs.h"
 #include "sdk/format/avatar_data.h"
 
@@ -80,10 +81,9 @@ inline void backwardJoints(std::span<const JointData> joints, std::span<const Ma
     }
 }
 
-/** Backward pass of skinning for the whole mesh. The sums run over fixed blocks of vertices in block order, so they do not depend on the
- *  number of threads. rest: rest positions that were skinned. gPosed: gradient on their positions in the world. gRest is resized to V. */
-void backwardSkin(const MeshData& mesh, std::span<const Vec3f> rest, std::span<const JointData> joints,
-                  std::span<const Mat3x4f> worldFromRest, std::span<const Vec3f> gPosed, Jobs& jobs, std::vector<Vec3f>& gRest,
-                  PoseGradient<double>& pose);
+/** Backward pass of skinning for the whole posed mesh. The sums run over fixed blocks of vertices in block order, so they do not depend on
+ *  the number of threads. gPosed: gradient on posed.positions(). gRest, on posed.rest(), is resized to V. */
+void backwardSkin(const MeshData& mesh, std::span<const JointData> joints, const PosedMesh& posed, std::span<const Vec3f> gPosed,
+                  Jobs& jobs, std::vector<Vec3f>& gRest, PoseGradient<double>& pose);
 
 }  // namespace dpl

@@ -319,8 +319,7 @@ void CoOptimiser::State::pullGarments() {
     collisionGradient.clear(), stressGradient.clear();
     if (!(settings.regularise.collision > 0) || learned.step % settings.geometryEvery != 0 || collision->empty()) return;
     const auto pull = [&](const PosedMesh& posed, float steps, std::vector<Vec3f>& gradient) {
-        collision->pull(mesh, posed.positions(), posed.rest(), posed.worldFromRest(), pass.restGradient(),
-                        settings.regularise.collision * steps, jobs, gradient);
+        collision->pull(mesh, posed, pass.restGradient(), settings.regularise.collision * steps, jobs, gradient);
     };
     const auto every = float(settings.geometryEvery);
     pull(pass.posed(), every, collisionGradient);

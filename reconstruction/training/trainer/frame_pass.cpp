@@ -29,7 +29,7 @@ LossValues FramePass::run(const PassSubject& s, const Pose& pose, const LevelFra
     lap(times.splats);
     if (geometry) {
         splatBackward_.gatherVertices(s.incidence, gPosed_, gLight_);
-        backwardSkin(s.mesh, posed_.rest(), s.joints, posed_.worldFromRest(), gPosed_, jobs_, gRest_, poseGradient_);
+        backwardSkin(s.mesh, s.joints, posed_, gPosed_, jobs_, gRest_, poseGradient_);
         gNodes_.clear();
         if (!s.correctives.empty()) {
             gatherNodes(s.correctives, posed_.nodes(), gRest_, gLight_, gNodes_);

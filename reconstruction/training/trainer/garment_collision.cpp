@@ -26,9 +26,9 @@ GarmentCollision::GarmentCollision(const MeshData& mesh) : body_(mesh.restPositi
     if (!bodyTriangles(mesh).empty()) garmentVertices_ = garmentVertices(mesh);
 }
 
-double GarmentCollision::pull(const MeshData& mesh, std::span<const Vec3f> posed, std::span<const Vec3f> rest,
-                              std::span<const Mat3x4f> worldFromRest, std::span<const Vec3f> pictureGradient, float factor, Jobs& jobs,
-                              std::vector<Vec3f>& gradient) {
+double GarmentCollision::pull(const MeshData& mesh, const PosedMesh& posedMesh, std::span<const Vec3f> pictureGradient, float factor,
+                              Jobs& jobs, std::vector<Vec3f>& gradient) {
+    const std::span<const Vec3f> posed = posedMesh.positions(), rest = posedMesh.rest();
     gradient.assign(rest.size(), Vec3f(0));
     double square = 0, pulled = 0;
     for (const uint32_t v : garmentVertices_)
@@ -50,7 +50,7 @@ double GarmentCollision::pull(const MeshData& mesh, std::span<const Vec3f> posed
             const glm::u8vec4 w8 = mesh.jointWeights[v];
             const float weights[4] = {float(w8.x) / 255.0f, float(w8.y) / 255.0f, float(w8.z) / 255.0f, float(w8.w) / 255.0f};
             gradient[v] = backwardSkinVertex<float>(rest[v], -stiffness * missing * outward, mesh.jointIndices[v], weights,
-                                                    worldFromRest.data(), nullptr);
+                                                    posedMesh.worldFromRest().data(), nullptr);
             energy[block] += 0.5 * double(stiffness) * missing * missing;
         }
     });

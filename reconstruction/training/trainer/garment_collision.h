@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "reconstruction/subject/shape/closest_surface.h"
+#include "sdk/avatar/posed_mesh.h"
 #include "sdk/core/jobs.h"
 #include "sdk/format/avatar_data.h"
 
@@ -24,11 +25,11 @@ public:
     /** True when there is no body or no garment. Then pull() adds nothing. */
     bool empty() const { return garmentVertices_.empty(); }
 
-    /** Gradient of E on the rest positions of garment vertices, `factor` times; all other entries are zero. Body and pose are held.
-     *  posed: V positions, world. rest: V positions that were skinned. pictureGradient: V, of the same step, on `rest`; when it is zero
-     *  on all garments, so is the result. Returns E, `factor` times. Deterministic for any number of threads. */
-    double pull(const MeshData& mesh, std::span<const Vec3f> posed, std::span<const Vec3f> rest, std::span<const Mat3x4f> worldFromRest,
-                std::span<const Vec3f> pictureGradient, float factor, Jobs& jobs, std::vector<Vec3f>& gradient);
+    /** Gradient of E on the rest positions of garment vertices of the posed mesh, `factor` times; all other entries are zero. Body and pose
+     *  are held. pictureGradient: V, of the same step, on posed.rest(); when it is zero on all garments, so is the result. Returns E,
+     * `factor` times. Deterministic for any number of threads. */
+    double pull(const MeshData& mesh, const PosedMesh& posed, std::span<const Vec3f> pictureGradient, float factor, Jobs& jobs,
+                std::vector<Vec3f>& gradient);
 
 private:
     std::vector<uint32_t> garmentVertices_;

@@ -121,7 +121,7 @@ Analytic backward(const DoubleScene& s, uint32_t threads, const std::array<float
     std::vector<float> gLight;
     backward.gatherVertices(VertexIncidence(mesh.triangles, s.rest.size()), gPosed, gLight);
     PoseGradient<double> g;
-    backwardSkin(mesh, posed.rest(), s.joints, posed.worldFromRest(), gPosed, jobs, gRest, g);
+    backwardSkin(mesh, s.joints, posed, gPosed, jobs, gRest, g);
     std::vector<Vec4f> gNodes;
     if (!s.correctives.empty()) {
         gatherNodes(s.correctives, posed.nodes(), gRest, gLight, gNodes);

@@ -32,7 +32,7 @@ struct Bent {
     }
     double run(std::vector<Vec3f>& gradient, float factor = 1) {
         posed.pose({joints, mesh, {}, bind}, pose, jobs);
-        return collision.pull(mesh, posed.positions(), posed.rest(), posed.worldFromRest(), picture, factor, jobs, gradient);
+        return collision.pull(mesh, posed, picture, factor, jobs, gradient);
     }
 };
 
@@ -148,8 +148,7 @@ TEST(GarmentCollision, isTheSameForAnyNumberOfThreads) {
     std::vector<Vec3f> first, second;
     Jobs single(1);
     one.posed.pose({one.joints, one.mesh, {}, one.bind}, one.pose, single);
-    const double energy =
-        one.collision.pull(one.mesh, one.posed.positions(), one.posed.rest(), one.posed.worldFromRest(), one.picture, 1, single, first);
+    const double energy = one.collision.pull(one.mesh, one.posed, one.picture, 1, single, first);
     EXPECT_EQ(three.run(second), energy);
     EXPECT_EQ(first, second);
 }
