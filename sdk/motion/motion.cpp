@@ -60,7 +60,8 @@ std::string otherKind(std::string_view text) {
     constexpr std::string_view kBlender = "open it in Blender and export it as .glb or .bvh";
     if (text.empty()) return "an empty file";
     if (begins("Kaydara FBX Binary")) return formatText("an FBX file; {}", kBlender);
-    if (begins("\xFF\xFE") || begins("\xFE\xFF") || text.substr(0, 64).find('\0') == 1)
+    const size_t zero = text.substr(0, 64).find('\0');
+    if (begins("\xFF\xFE") || begins("\xFE\xFF") || zero == 1 || (zero == 0 && text.size() > 1 && text[1] != '\0'))
         return "text in UTF-16; save it as UTF-8 or plain ASCII";
     if (text.substr(std::min<size_t>(4, text.size()), 4) == "ftyp" || begins("\x1A\x45\xDF\xA3") || begins("RIFF"))
         return "a video; a motion has a skeleton, which a pose estimator or a motion capture program makes from videos";

@@ -12,7 +12,7 @@ namespace {
 constexpr float kLeastAcrossM = 0.02f;              // between left and right hip or shoulder, along hips that face the wrong way
 constexpr float kOtherShare = 0.35f;                // by which a bone may differ from its rest length, after the scale of the whole
 constexpr float kSmallest = 0.4f, kLargest = 2.5f;  // scale of a person against the rest pose
-constexpr float kSmallestOfAll = 0.05f, kLargestOfAll = 20;  // of any figure against a person of 1.7 m; units are 100 or 1000 times off
+constexpr float kLargestOfAll = 20;                 // of any figure against a person of 1.7 m; other units are 100 or 1000 times off
 constexpr size_t kLeastBones = 4;
 
 struct BonePair {
@@ -115,8 +115,9 @@ Status TrackSkeleton::checkLengths(const CleanFrame& frame) const {
     std::vector<float> ratios;
     const float scale = scaleOf(frame, rest_, ratios);
     if (ratios.size() < kLeastBones) return {};
-    const float smallest = knowsLengths_ ? kSmallest : kSmallestOfAll, largest = knowsLengths_ ? kLargest : kLargestOfAll;
-    if (!(scale > smallest) || !(scale < largest))
+    // Without a rest pose only the rotations are needed, and some programs give no places but that of the hips.
+    const bool tooSmall = knowsLengths_ && !(scale > kSmallest);
+    if (tooSmall || !(scale < (knowsLengths_ ? kLargest : kLargestOfAll)))
         return fail(Code::CorruptData, "bones are {} times as long as {}: metres are needed, of the skeleton that rest describes", scale,
                     knowsLengths_ ? "at rest" : "a person's");
     if (!knowsLengths_) return {};

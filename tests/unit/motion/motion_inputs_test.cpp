@@ -297,6 +297,7 @@ TEST(MotionInputs, anotherKindOfFileIsNamedWithTheRemedy) {
         {std::string("\x1A\x45\xDF\xA3", 4), "a video"},
         {utf16, "text in UTF-16; save it as UTF-8"},
         {bare16, "text in UTF-16"},
+        {std::string("\0H\0I\0E\0R", 8), "text in UTF-16"},
         {std::string("PK\x03\x04", 4), "packed"},
         {"", "an empty file"},
         {"<?xml version=\"1.0\"?><COLLADA>", "COLLADA"},

@@ -553,8 +553,11 @@ TEST(Tracker, otherUnitsThanMetresAreRefusedBySentence) {
     Stream small = stream;
     inUnit(small, 0.3f, false);
     EXPECT_TRUE((*made)->add(small.frame(kStartNs + kSecond))) << "half a metre high, a figure of a game";
+    Stream turnsOnly = stream;
+    inUnit(turnsOnly, 0, false);
+    EXPECT_TRUE((*made)->add(turnsOnly.frame(kStartNs + 2 * kSecond))) << "a program that gives rotations alone";
     inUnit(stream, 100, false);
-    EXPECT_FALSE((*made)->add(stream.frame(kStartNs + 2 * kSecond)));
+    EXPECT_FALSE((*made)->add(stream.frame(kStartNs + 3 * kSecond)));
 }
 
 /** The picture of a front camera: x is mirrored, and a network names the sides by what it sees, or the program mirrors the points only. */
