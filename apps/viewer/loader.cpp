@@ -110,7 +110,7 @@ LoadedFile Loader::loadOne(const Task& task) {
         case FileKind::Unknown:
             break;
     }
-    return failed("this is neither an avatar (.glb), nor splats (.ply, .spz, .glb), nor a motion (.bvh, .glb, .gltf)");
+    return failed("this is neither an avatar (.glb), nor splats (.ply, .spz, .glb), nor a motion (.bvh, .glb)");
 }
 
 void Loader::run() {
