@@ -4,8 +4,10 @@
 #include <algorithm>
 
 #include "sdk/avatar/humanoid.h"
+#include "sdk/core/log.h"
 #include "sdk/core/task.h"
 #include "sdk/format/avatar_file.h"
+#include "sdk/format/avatar_head.h"
 #include "sdk/format/splat_file.h"
 #include "sdk/motion/clip.h"
 
@@ -20,9 +22,7 @@ Status checkLoaded(const AvatarData& data) {
 }
 
 Result<Decoded> decodeAvatar(std::span<const uint8_t> bytes) {
-    if (bytes.size() >= 4 && std::memcmp(bytes.data(), "glTF", 4) != 0)
-        return fail(Code::Unsupported,
-                    "neither an avatar (.glb) nor general splats (PLY, compressed PLY, SPZ, .glb with KHR_gaussian_splatting)");
+    if (bytes.size() >= 4 && std::memcmp(bytes.data(), "glTF", 4) != 0) DPL_RETURN_IF_ERROR(checkAvatarHead(bytes, bytes.size()));
     DPL_TRY(CodedAvatar coded, readCodedAvatar(bytes));
     AvatarData& decoded = coded.avatar;
     decoded.mesh.colours = {};  // only other glTF viewers use them
@@ -47,6 +47,7 @@ Result<Decoded> decodeGeneralSplats(std::span<const uint8_t> bytes) {
         const TaskPart part(0, 0.9);
         DPL_TRY(file, readSplats(bytes));
     }
+    for (const std::string& note : file.remarks.notes) log(LogLevel::Warning, "{}: {}", nameOf(file.format), note);
     auto made = std::make_shared<Avatar>();
     AvatarData named;
     named.name = nameOf(file.format);

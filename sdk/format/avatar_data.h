@@ -129,7 +129,7 @@ struct AvatarData {
     float trainedPixelM = 0;  // size of a training pixel at the subject, metres (docs/reference/coverage.md); 0: not known
 };
 
-/** General splats, as in INRIA PLY and SPZ files, in the coordinates of the file. Bound to no mesh; three axes each. */
+/** General splats, as in INRIA PLY and SPZ files. Bound to no mesh; three axes each. */
 struct StaticSplatData {
     std::vector<Vec3f> position;  // metres
     std::vector<Quatf> rotation;  // unit

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sdk/format/compressed_ply.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstring>
@@ -63,19 +64,17 @@ float shOf(uint8_t code) {
 Result<std::vector<Range>> readRanges(const PlyRows& chunks, std::array<const char*, 6> names) {
     DPL_TRY(const auto at, plyColumns(chunks, PlyType::F32, {names[0], names[1], names[2], names[3], names[4], names[5]}));
     std::vector<Range> out(chunks.count);
-    for (size_t c = 0; c < chunks.count; ++c) {
-        for (int k = 0; k < 3; ++k) {
+    for (size_t c = 0; c < chunks.count; ++c)
+        for (int k = 0; k < 3; ++k)
             out[c].low[k] = load<float>(chunks.row(c) + at[size_t(k)]), out[c].high[k] = load<float>(chunks.row(c) + at[size_t(k) + 3]);
-            if (!std::isfinite(out[c].low[k]) || !std::isfinite(out[c].high[k]))
-                return fail(Code::CorruptData, "PLY: {} or {} of chunk {} is not finite", names[size_t(k)], names[size_t(k) + 3], c);
-        }
-    }
     return out;
 }
 
 }  // namespace
 
-Result<StaticSplatData> readCompressedPly(std::span<const uint8_t> bytes) try {
+Result<StaticSplatData> readCompressedPly(std::span<const uint8_t> bytes, SplatRemarks* wanted) try {
+    SplatRemarks unwanted;
+    SplatRemarks& remarks = wanted ? *wanted : unwanted;
     DPL_TRY(const PlyHeader header, readPlyHeader(bytes));
     const uint64_t maxSplats = ReadLimits().maxSplats;
     DPL_TRY(const PlyRows chunks, plyRows(header, bytes, "chunk", maxSplats / kChunkSplats + 1));
@@ -97,8 +96,14 @@ Result<StaticSplatData> readCompressedPly(std::span<const uint8_t> bytes) try {
     if (header.find("sh")) {
         DPL_TRY(sh, plyRows(header, bytes, "sh", maxSplats));
         if (sh.count != n) return fail(Code::CorruptData, "PLY: {} rows of SH for {} splats", sh.count, n);
-        DPL_TRY(rest, plyRestColumns(sh, PlyType::U8, s.shDegree));
+        DPL_TRY(rest, plyRestColumns(sh, PlyType::U8, remarks.shDegree));
     }
+    noteShDegree(remarks);
+    remarks.axes = axesOfComments(header.comments, remarks.notes);
+    s.compensated = antialiasedByComments(header.comments);
+    s.shDegree = std::min(remarks.shDegree, kMaxShDegree);
+    const size_t perChannel = rest.size() / 3;
+    std::vector<uint32_t> broken;
     const uint32_t coefficients = shCoefficientCount(s.shDegree);
     s.position.resize(n), s.rotation.resize(n), s.scaleM.resize(n), s.opacity.resize(n), s.sh.resize(n * coefficients * 3);
     for (size_t i = 0; i < n; ++i) {
@@ -117,11 +122,11 @@ Result<StaticSplatData> readCompressedPly(std::span<const uint8_t> bytes) try {
         float* out = s.sh.data() + i * coefficients * 3;
         for (int c = 0; c < 3; ++c) out[c] = (rgb[c] - 0.5f) / float(kShC0);
         for (uint32_t k = 1; k < coefficients; ++k)
-            for (uint32_t c = 0; c < 3; ++c) out[k * 3 + c] = shOf(sh.row(i)[rest[c * (coefficients - 1) + k - 1]]);
+            for (uint32_t c = 0; c < 3; ++c) out[k * 3 + c] = shOf(sh.row(i)[rest[c * perChannel + k - 1]]);
         const Vec3f all = s.position[i] + s.scaleM[i] + Vec3f(out[0], out[1], out[2]);
-        if (!std::isfinite(all.x + all.y + all.z))
-            return fail(Code::CorruptData, "PLY: splat {} is not finite; the ranges of chunk {} are damaged", i, chunk);
+        if (!std::isfinite(all.x + all.y + all.z)) broken.push_back(uint32_t(i));
     }
+    DPL_RETURN_IF_ERROR(dropBroken(s, broken, remarks));
     return s;
 } catch (const std::bad_alloc&) {
     return outOfMemory("read a compressed PLY");

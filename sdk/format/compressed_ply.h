@@ -7,11 +7,13 @@
 
 #include "sdk/core/result.h"
 #include "sdk/format/avatar_data.h"
+#include "sdk/format/splat_remarks.h"
 
 namespace dpl {
 
-/** Reads elements `chunk` (12 or 18 floats), `vertex` (four packed words) and `sh` (9, 24 or 45 bytes, may be absent), in any column order.
- *  CorruptData names what is missing, truncated or not finite, and in which chunk. Any thread. */
-Result<StaticSplatData> readCompressedPly(std::span<const uint8_t> bytes);
+/** Reads elements `chunk` (12 or 18 floats), `vertex` (four packed words) and `sh` (9, 24, 45 or 72 bytes, may be absent), in any column
+ *  order and in the coordinates of the file. Comments set `compensated` and the axes in `remarks`. Splats that are not finite are left out.
+ *  CorruptData, Unsupported: the text names what is missing, truncated or of another type. Any thread. */
+Result<StaticSplatData> readCompressedPly(std::span<const uint8_t> bytes, SplatRemarks* remarks = nullptr);
 
 }  // namespace dpl

@@ -94,6 +94,12 @@ Status applySparse(const GltfModel& m, const GltfAccessor& a, std::vector<float>
 }  // namespace
 
 Result<std::vector<float>> readFloats(const GltfModel& m, uint32_t accessor, uint32_t wanted) {
+    DPL_TRY(std::vector<float> values, readAnyFloats(m, accessor, wanted));
+    DPL_RETURN_IF_ERROR(finite(values, wanted, accessor));
+    return values;
+}
+
+Result<std::vector<float>> readAnyFloats(const GltfModel& m, uint32_t accessor, uint32_t wanted) {
     const GltfAccessor& a = m.accessors[accessor];
     if (a.components != wanted)
         return fail(Code::CorruptData, "accessor {} has {} components, {} expected", accessor, a.components, wanted);
@@ -109,7 +115,6 @@ Result<std::vector<float>> readFloats(const GltfModel& m, uint32_t accessor, uin
     if (a.sparse.count) DPL_RETURN_IF_ERROR(applySparse(m, a, values));
     if (a.normalized)
         for (float& v : values) v = normalise(v, a.component);
-    DPL_RETURN_IF_ERROR(finite(values, a.components, accessor));
     return values;
 }
 

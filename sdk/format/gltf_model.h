@@ -30,6 +30,7 @@ struct GltfAccessor {
     uint32_t components = 1;  // 1, 2, 3, 4 or 16
     bool normalized = false;
     uint32_t count = 0;
+    std::vector<double> least, largest;  // of each component, as stated; may be empty
     struct Sparse {
         uint32_t count = 0;
         int32_t indexView = -1, valueView = -1;
@@ -114,6 +115,8 @@ Result<GltfModel> parseGlb(std::span<const uint8_t> bytes, const ReadLimits& lim
 /** All values of an accessor as floats, the components of an element one after another. Integers are normalised if the accessor says so;
  *  sparse values are applied. The accessor must have `wanted` components. Memory: 4 bytes per value. */
 Result<std::vector<float>> readFloats(const GltfModel& model, uint32_t accessor, uint32_t wanted);
+/** The same, but values may be infinite or no numbers. */
+Result<std::vector<float>> readAnyFloats(const GltfModel& model, uint32_t accessor, uint32_t wanted);
 /** Values of an accessor of unsigned scalars. */
 Result<std::vector<uint32_t>> readIndices(const GltfModel& model, uint32_t accessor);
 

@@ -4,6 +4,8 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <optional>
+#include <string>
 
 #include "sdk/core/reader.h"
 #include "sdk/format/gltf_humanoid.h"
@@ -15,6 +17,7 @@ namespace dpl {
 namespace {
 
 using Json = nlohmann::json;
+constexpr size_t kMostComponents = 16;  // of an accessor's element
 constexpr uint32_t kGlbMagic = 0x46546C67, kJsonChunk = 0x4E4F534A, kBinChunk = 0x004E4942;
 
 struct Glb {
@@ -94,6 +97,39 @@ Json pick(const Json& from, std::initializer_list<const char*> keys) {
         for (const char* key : keys)
             if (auto it = from.find(key); it != from.end()) to[key] = *it;
     return to;
+}
+
+/** The place of a null in `value`, such as "nodes/3/scale/0". glTF has no null, and tinygltf would read 0 or a default. */
+std::optional<std::string> placeOfNull(const Json& value) {
+    if (value.is_null()) return std::string();
+    if (!value.is_structured()) return std::nullopt;
+    size_t index = 0;
+    for (auto it = value.begin(); it != value.end(); ++it, ++index)
+        if (auto place = placeOfNull(*it)) {
+            const std::string key = value.is_object() ? it.key() : std::to_string(index);
+            return place->empty() ? key : key + "/" + *place;
+        }
+    return std::nullopt;
+}
+
+/** Refuses materials that are not there. They are not read, but the file is damaged. */
+Status checkMaterials(const Json& root) {
+    const auto materials = root.find("materials");
+    const size_t count = materials != root.end() && materials->is_array() ? materials->size() : 0;
+    const auto meshes = root.find("meshes");
+    if (meshes == root.end()) return {};
+    for (const Json& mesh : *meshes) {
+        const auto primitives = mesh.is_object() ? mesh.find("primitives") : mesh.end();
+        if (primitives == mesh.end()) continue;
+        for (const Json& primitive : *primitives) {
+            if (!primitive.is_object()) continue;
+            const auto material = primitive.find("material");
+            if (material == primitive.end() || (material->is_number_unsigned() && material->get<uint64_t>() < count)) continue;
+            return fail(Code::CorruptData, "a primitive of the glTF names material {}, there are {}",
+                        material->dump(-1, ' ', false, Json::error_handler_t::replace).substr(0, 32), count);
+        }
+    }
+    return {};
 }
 
 /** Applies `change` to each element of array `key` and limits their number. */
@@ -257,7 +293,10 @@ Result<Json> knownKeys(const Json& root, std::span<const uint8_t> bin, const Rea
         return pick(v, {"buffer", "byteOffset", "byteLength", "byteStride"});
     }));
     DPL_RETURN_IF_ERROR(copyArray(root, out, "accessors", 65536, [](const Json& a) {
-        return pick(a, {"bufferView", "byteOffset", "componentType", "normalized", "count", "type", "sparse"});
+        Json to = pick(a, {"bufferView", "byteOffset", "componentType", "normalized", "count", "type", "sparse"});
+        for (const char* key : {"min", "max"})
+            if (auto it = a.find(key); it != a.end() && it->is_array() && it->size() <= kMostComponents) to[key] = *it;
+        return to;
     }));
     DPL_RETURN_IF_ERROR(checkTables(out));
     DPL_RETURN_IF_ERROR(checkBounds(root));
@@ -303,6 +342,8 @@ Result<Json> knownKeys(const Json& root, std::span<const uint8_t> bin, const Rea
         return to;
     }));
     if (channelCount > 262144) return fail(Code::CorruptData, "more than 262144 animation channels and samplers");
+    DPL_RETURN_IF_ERROR(checkMaterials(root));
+    if (const auto place = placeOfNull(out)) return fail(Code::CorruptData, "the glTF has a null at {}, where a value belongs", *place);
     return out;
 }
 

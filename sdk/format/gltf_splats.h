@@ -9,6 +9,7 @@
 #include "sdk/core/result.h"
 #include "sdk/format/avatar_data.h"
 #include "sdk/format/read_limits.h"
+#include "sdk/format/splat_remarks.h"
 
 namespace dpl {
 
@@ -18,10 +19,11 @@ namespace dpl {
 Result<std::vector<uint8_t>> writeGltfSplats(const StaticSplatData& splats);
 
 /** Reads the splat primitives of all nodes as one set in world space, with rotated SH; other primitives are skipped. Missing SH bands of a
- *  primitive become zeros. All attribute types of the extension are read, also integers. Any thread.
+ *  primitive become zeros. All attribute types of the extension are read, also integers. Splats that are not finite are left out. Any
+ *  thread.
  *  Unsupported (the text says what would help): a kernel, projection, colour space or compression other than the ratified base (ellipse,
  *  perspective, srgb_rec709_display); a node with different scales of its axes; a file without splats.
  *  CorruptData: damaged or hostile bytes. Each byte may be decoded about once, so instances of a mesh are refused. */
-Result<StaticSplatData> readGltfSplats(std::span<const uint8_t> bytes, const ReadLimits& limits = {});
+Result<StaticSplatData> readGltfSplats(std::span<const uint8_t> bytes, const ReadLimits& limits = {}, SplatRemarks* remarks = nullptr);
 
 }  // namespace dpl

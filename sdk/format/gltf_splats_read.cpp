@@ -10,6 +10,7 @@
 namespace dpl {
 namespace {
 
+constexpr double kSameBound = 0.01;  // relative; programs that quantise or round state bounds a little off
 constexpr float kSameScale = 1e-4f;  // relative; the scales of a node's axes may differ by rounding
 
 /** World placement of a node. The extension allows translation, rotation and positive scale; Doppel needs one scale for all axes. */
@@ -59,6 +60,8 @@ struct SplatReader {
     const GltfModel& model;
     const ReadLimits& limits;
     uint64_t budget = 0;  // bytes that may still be decoded: each byte of the file about once
+    SplatRemarks& remarks;
+    std::vector<uint32_t> broken{};  // indices of splats that are not finite
     StaticSplatData out{};
     ShRotator rotator{};
 
@@ -75,7 +78,28 @@ struct SplatReader {
         if (bytes > budget)
             return fail(Code::CorruptData, "the splats of this file are used more than once (mesh instances?); write each of them out");
         budget -= bytes;
-        return readFloats(model, found->second, components);
+        DPL_TRY(auto values, readAnyFloats(model, found->second, components));
+        noteBounds(a, semantic, values);
+        return values;
+    }
+
+    /** An accessor may state the least and the largest of its values; that of POSITION must. */
+    void noteBounds(const GltfAccessor& a, const std::string& semantic, const std::vector<float>& values) {
+        for (uint32_t k = 0; k < a.components && !a.normalized; ++k) {
+            float low = INFINITY, high = -INFINITY;
+            for (size_t i = k; i < values.size(); i += a.components)
+                if (std::isfinite(values[i])) low = std::min(low, values[i]), high = std::max(high, values[i]);
+            if (low > high) continue;
+            const double slack = kSameBound * std::max({1e-3, std::abs(double(low)), std::abs(double(high))});
+            const auto off = [&](const std::vector<double>& stated, float found) {
+                return k < stated.size() && !(std::abs(stated[k] - double(found)) <= slack);
+            };
+            if (!off(a.least, low) && !off(a.largest, high)) continue;
+            remarks.notes.push_back(
+                formatText("{} states values from {} to {}, its values go from {} to {}: the file is damaged or was edited", semantic,
+                           k < a.least.size() ? a.least[k] : low, k < a.largest.size() ? a.largest[k] : high, low, high));
+            return;
+        }
     }
 
     static std::string coefficient(uint32_t degree, uint32_t m) {
@@ -119,17 +143,23 @@ struct SplatReader {
             const Quatf q(rotations[i * 4 + 3], rotations[i * 4], rotations[i * 4 + 1], rotations[i * 4 + 2]);
             const Vec3f scale = world.scale * Vec3f(scales[i * 3], scales[i * 3 + 1], scales[i * 3 + 2]),
                         centre = world.apply({positions[i * 3], positions[i * 3 + 1], positions[i * 3 + 2]});
-            const float length = glm::length(q);
-            if (!(length > 1e-6f) || !std::isfinite(length)) return fail(Code::CorruptData, "splat {} has no rotation", first + i);
+            const float length = glm::length(q), all = glm::dot(scale, Vec3f(1)) + glm::dot(centre, Vec3f(1)) + opacities[i];
+            float* sh = out.sh.data() + (first + i) * shFloats;
+            bool finite = std::isfinite(all) && std::isfinite(length);
+            for (uint32_t k = 0; k < shCoefficientCount(degree) * 3; ++k) finite = finite && std::isfinite(sh[k]);
+            if (!finite) {
+                broken.push_back(uint32_t(first + i));
+                out.position.emplace_back(0), out.scaleM.emplace_back(0), out.opacity.push_back(0), out.rotation.emplace_back(1, 0, 0, 0);
+                continue;
+            }
+            if (!(length > 1e-6f)) return fail(Code::CorruptData, "splat {} has no rotation", first + i);
             if (!(glm::min(scale.x, glm::min(scale.y, scale.z)) >= 0))
                 return fail(Code::CorruptData, "splat {} has a negative scale", first + i);
             if (!(opacities[i] >= 0 && opacities[i] <= 1))
                 return fail(Code::CorruptData, "splat {} has an opacity of {}", first + i, opacities[i]);
-            if (!std::isfinite(glm::dot(scale, Vec3f(1)) + glm::dot(centre, Vec3f(1))))
-                return fail(Code::CorruptData, "splat {} is not finite", first + i);
             out.position.push_back(centre), out.scaleM.push_back(scale), out.opacity.push_back(opacities[i]);
             out.rotation.push_back(world.rotation * (q / length));
-            if (turned) rotator.rotate(turn, degree, out.sh.data() + (first + i) * shFloats);
+            if (turned) rotator.rotate(turn, degree, sh);
         }
         return {};
     }
@@ -146,16 +176,20 @@ struct SplatReader {
             DPL_TRY(const Placement world, placementOf(model, node));
             DPL_RETURN_IF_ERROR(add(*primitive, world));
         }
-        return {};
+        return dropBroken(out, broken, remarks);
     }
 };
 
 }  // namespace
 
-Result<StaticSplatData> readGltfSplats(std::span<const uint8_t> bytes, const ReadLimits& limits) try {
+Result<StaticSplatData> readGltfSplats(std::span<const uint8_t> bytes, const ReadLimits& limits, SplatRemarks* wanted) try {
+    SplatRemarks unwanted;
+    SplatRemarks& remarks = wanted ? *wanted : unwanted;
     DPL_TRY(const GltfModel model, parseGlb(bytes, limits));
-    SplatReader reader{model, limits, model.bin.size()};
+    SplatReader reader{model, limits, model.bin.size(), remarks};
     DPL_RETURN_IF_ERROR(reader.read());
+    remarks.axes = *axesOfLetters("RUB");
+    remarks.shDegree = reader.out.shDegree;
     return std::move(reader.out);
 } catch (const std::bad_alloc&) {
     return outOfMemory("read splats");

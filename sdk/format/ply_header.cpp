@@ -11,6 +11,7 @@ namespace dpl {
 namespace {
 
 constexpr size_t kMaxHeaderBytes = 64 * 1024;
+constexpr uint32_t kMostFileShDegree = 8;  // read, not drawn: far above what programs write
 
 std::optional<PlyType> typeOf(std::string_view name) {
     static const std::map<std::string_view, PlyType> types = {
@@ -62,9 +63,14 @@ Result<PlyHeader> readPlyHeader(std::span<const uint8_t> bytes) {
     for (size_t at = 0; at < text.size();) {
         const size_t end = text.find('\n', at);
         if (end == std::string_view::npos) break;
-        const auto line = words(text.substr(at, end - at));
+        const std::string_view whole = text.substr(at, end - at);
+        const auto line = words(whole);
         at = end + 1;
-        if (line.empty() || line[0] == "comment" || line[0] == "obj_info" || line[0] == "ply") continue;
+        if (line.empty() || line[0] == "obj_info" || line[0] == "ply") continue;
+        if (line[0] == "comment") {
+            if (line.size() > 1) header.comments.emplace_back(line[1].data(), whole.data() + whole.size());
+            continue;
+        }
         if (line[0] == "format") {
             binary = line.size() >= 2 && line[1] == "binary_little_endian";
         } else if (line[0] == "element" && line.size() == 3) {
@@ -75,7 +81,8 @@ Result<PlyHeader> readPlyHeader(std::span<const uint8_t> bytes) {
             PlyElement& element = header.elements.back();
             const auto type = line.size() == 3 ? typeOf(line[1]) : std::nullopt;
             if (!type) {
-                element.hasList = true;
+                for (const std::string_view word : line)
+                    element.unread += std::string(element.unread.empty() ? "" : " ") + std::string(word);
                 continue;
             }
             element.columns[std::string(line[2])] = {element.stride, *type};
@@ -92,8 +99,11 @@ Result<PlyHeader> readPlyHeader(std::span<const uint8_t> bytes) {
 Result<PlyRows> plyRows(const PlyHeader& header, std::span<const uint8_t> bytes, std::string_view name, uint64_t limit) {
     size_t at = header.bodyAt;
     for (const PlyElement& e : header.elements) {
-        if (e.hasList)
-            return fail(Code::Unsupported, "PLY: element '{}' has a property that is a list or of unknown type; is this a mesh?", e.name);
+        if (e.unread.starts_with("property list"))
+            return fail(Code::Unsupported, "PLY: element '{}' has a property that is a list; is this a mesh?", e.name);
+        if (!e.unread.empty())
+            return fail(Code::Unsupported, "PLY: element '{}' has a property of unknown type{}; save the file with 32-bit floats", e.name,
+                        e.unread.substr(8, 64));
         const size_t left = bytes.size() - at;
         if (e.stride != 0 && e.count > left / e.stride)
             return fail(Code::CorruptData, "PLY: {} rows of {} bytes of '{}' do not fit in {} bytes: truncated", e.count, e.stride, e.name,
@@ -109,10 +119,16 @@ Result<PlyRows> plyRows(const PlyHeader& header, std::span<const uint8_t> bytes,
 }
 
 Result<size_t> plyColumn(const PlyRows& rows, PlyType type, const std::string& name) {
-    const auto it = rows.element->columns.find(name);
-    if (it == rows.element->columns.end() || it->second.type != type)
-        return fail(Code::CorruptData, "PLY: element '{}' has no {} property '{}'; is this a Gaussian splat file?", rows.element->name,
-                    kTypeNames[size_t(type)], name);
+    const auto& columns = rows.element->columns;
+    const auto it = columns.find(name);
+    if (it == columns.end())
+        return fail(
+            Code::CorruptData, "PLY: element '{}' has no {} property '{}'; {}", rows.element->name, kTypeNames[size_t(type)], name,
+            columns.contains("red") ? "it has 'red': this is a point cloud, not Gaussian splats" : "is this a Gaussian splat file?");
+    if (it->second.type != type)
+        return fail(Code::Unsupported, "PLY: property '{}' of element '{}' is a {}, and only {} is read; save the file with {} values",
+                    name, rows.element->name, kTypeNames[size_t(it->second.type)], kTypeNames[size_t(type)],
+                    type == PlyType::F32 ? "32-bit float" : kTypeNames[size_t(type)]);
     return it->second.offset;
 }
 
@@ -132,9 +148,9 @@ Result<std::vector<size_t>> plyRestColumns(const PlyRows& rows, PlyType type, ui
         rest.push_back(at);
     }
     shDegree = 0;
-    while (shDegree < kMaxShDegree && (shCoefficientCount(shDegree) - 1) * 3 < rest.size()) ++shDegree;
+    while (shDegree < kMostFileShDegree && (shCoefficientCount(shDegree) - 1) * 3 < rest.size()) ++shDegree;
     if ((shCoefficientCount(shDegree) - 1) * 3 != rest.size())
-        return fail(Code::CorruptData, "PLY: {} f_rest properties; 0, 9, 24 or 45 are possible", rest.size());
+        return fail(Code::CorruptData, "PLY: {} f_rest properties; 0, 9, 24, 45 or 72 are possible (SH degrees 0 to 4)", rest.size());
     return rest;
 }
 

@@ -16,6 +16,7 @@
 namespace dpl {
 namespace {
 
+constexpr float kReach = 3;           // standard deviations that show of a splat
 constexpr double kStrayShare = 0.01;  // of the centres, left out at each end of an axis
 
 /** The JSON chunk of a .glb; empty if there is none. */
@@ -59,23 +60,39 @@ SplatFormat splatFormatOf(std::span<const uint8_t> bytes) {
     return SplatFormat::None;
 }
 
-Result<SplatFile> readSplats(std::span<const uint8_t> bytes, const ReadLimits& limits) {
+Result<SplatFile> readSplats(std::span<const uint8_t> bytes, const ReadLimits& limits) try {
     if (bytes.size() > limits.maxFileBytes)
         return fail(Code::CorruptData, "a file of {} bytes, the limit is {}", bytes.size(), limits.maxFileBytes);
     SplatFile file;
     file.format = splatFormatOf(bytes);
+    SplatRemarks& remarks = file.remarks;
     SpzInfo spz;
     Result<StaticSplatData> splats =
         fail(Code::Unsupported, "not a splat file: PLY, compressed PLY, SPZ and .glb with KHR_gaussian_splatting are read");
-    if (file.format == SplatFormat::InriaPly) splats = readPly(bytes);
-    if (file.format == SplatFormat::CompressedPly) splats = readCompressedPly(bytes);
+    if (file.format == SplatFormat::InriaPly) splats = readPly(bytes, &remarks);
+    if (file.format == SplatFormat::CompressedPly) splats = readCompressedPly(bytes, &remarks);
     if (file.format == SplatFormat::Spz) splats = readSpz(bytes, &spz);
-    if (file.format == SplatFormat::Gltf) splats = readGltfSplats(bytes, limits);
+    if (file.format == SplatFormat::Gltf) splats = readGltfSplats(bytes, limits, &remarks);
     if (!splats) return splats.error();
     file.splats = std::move(*splats);
-    file.version = spz.version;
-    file.shDegree = file.format == SplatFormat::Spz ? spz.shDegree : file.splats.shDegree;
+    if (file.format == SplatFormat::Spz) remarks = std::move(spz.remarks), file.version = spz.version;
+    DPL_RETURN_IF_ERROR(checkPrecision(file.splats, remarks));
+    turnSplats(file.splats, remarks.axes.uprightFromFile);
     return file;
+} catch (const std::bad_alloc&) {
+    return outOfMemory("read splats");
+}
+
+Result<SplatAxes> axesOfFile(std::span<const uint8_t> bytes) {
+    const SplatFormat format = splatFormatOf(bytes);
+    if (format == SplatFormat::InriaPly || format == SplatFormat::CompressedPly) {
+        DPL_TRY(const PlyHeader header, readPlyHeader(bytes));
+        std::vector<std::string> notes;
+        return axesOfComments(header.comments, notes);
+    }
+    if (format == SplatFormat::Spz) return axesOfSpz(bytes);
+    if (format == SplatFormat::Gltf) return *axesOfLetters("RUB");
+    return fail(Code::Unsupported, "not a splat file");
 }
 
 SplatBox boxOf(const StaticSplatData& splats) {
@@ -90,6 +107,15 @@ SplatBox boxOf(const StaticSplatData& splats) {
         std::nth_element(along.begin(), along.end() - 1 - ptrdiff_t(strays), along.end());
         box.high[axis] = along[along.size() - 1 - strays];
     }
+    std::vector<float>& sizes = along;
+    for (size_t i = 0; i < sizes.size() && i < splats.scaleM.size(); ++i) {
+        const Vec3f& s = splats.scaleM[i];
+        sizes[i] = std::max({s.x, s.y, s.z});
+    }
+    std::nth_element(sizes.begin(), sizes.begin() + ptrdiff_t(sizes.size() / 2), sizes.end());
+    const float reach = splats.scaleM.empty() ? 0 : kReach * sizes[sizes.size() / 2];
+    const Vec3f middle = 0.5f * (box.low + box.high), half = 0.5f * (box.high - box.low);
+    if (std::max({half.x, half.y, half.z}) < reach) box = {middle - Vec3f(reach), middle + Vec3f(reach)};
     return box;
 }
 

@@ -8,43 +8,55 @@
 #include <zstd.h>
 #include <zstd_errors.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstring>
 #include <memory>
 #include <vector>
 
-#include "sdk/core/log.h"
 #include "sdk/core/reader.h"
 #include "sdk/core/task.h"
 #include "sdk/format/read_limits.h"
+#include "sdk/format/spz_layout.h"
 #include "sdk/math/sh.h"
 
 namespace dpl {
 namespace {
 
-constexpr uint32_t kMagic = 0x5053474e;  // "NGSP"
-constexpr uint32_t kFileShDegrees = 4;   // of the format; Doppel draws up to kMaxShDegree
-constexpr uint32_t kMaxFractionalBits = 23;
-constexpr uint8_t kAntialiasedFlag = 1, kExtensionFlag = 2;
-constexpr uint64_t kFreeExpansionBytes = 1 << 20, kMaxExtensionBytes = 1 << 20;
-constexpr size_t kAttributes = 6;
+using namespace spz;
 
-struct Header {
-    uint32_t magic, version, splats;
-    uint8_t shDegree, fractionalBits, flags, streams;  // streams: their number in version 4; else reserved
-};
-static_assert(sizeof(Header) == 16);
+constexpr uint32_t kFileShDegrees = 4;  // of the format; Doppel draws up to kMaxShDegree
+constexpr uint64_t kFreeExpansionBytes = 1 << 20, kMaxExtensionBytes = 1 << 20;
+constexpr uint32_t kCoordinateExtension = 0xadbe0003;  // by Adobe: one u32, the axes
 
 struct Packed {
     Header header;
     std::array<std::vector<uint8_t>, kAttributes> attributes;
+    std::vector<uint8_t> extensions;  // records of u32 type, u32 bytes, and as many bytes
 };
 
-/** Bytes of each attribute. */
-std::array<uint64_t, kAttributes> attributeBytes(const Header& h) {
-    const uint64_t n = h.splats;
-    return {9 * n, n, 3 * n, 3 * n, (h.version == 2 ? 3 : 4) * n, 3 * n * (shCoefficientCount(h.shDegree) - 1)};
+/** Axes by their number in the coordinate extension. */
+constexpr std::array<const char*, 16> kCoordinateSystems = {"LDB", "RDB", "LUB", "RUB", "LDF", "RDF", "LUF", "RUF",
+                                                            "LFD", "RFD", "LFU", "RFU", "LBD", "RBD", "LBU", "RBU"};
+
+/** The axes that the extensions state, else those of the format. Records that are cut off end the list, as in other readers. */
+SplatAxes axesOf(std::span<const uint8_t> extensions, std::vector<std::string>& notes) {
+    SplatAxes axes = *axesOfLetters("RUB");
+    for (Reader in(extensions); in.remaining() >= 8;) {
+        const uint32_t type = *in.u32(), size = *in.u32();
+        const auto record = in.take(size);
+        if (!record) break;
+        if (type != kCoordinateExtension || record->size() < 4) continue;
+        uint32_t number;
+        std::memcpy(&number, record->data(), 4);
+        if (number >= 1 && number <= kCoordinateSystems.size())
+            axes = *axesOfLetters(kCoordinateSystems[number - 1]);
+        else if (number != 0)  // 0: not specified
+            notes.push_back(
+                formatText("coordinate system {} of the extension is unknown (1 to 16 are defined); read as right, up, back", number));
+    }
+    return axes;
 }
 
 Status checkHeader(const Header& h, size_t fileBytes) {
@@ -126,11 +138,11 @@ Result<Packed> openGzip(std::span<const uint8_t> bytes) {
     }
     // Reads to the end of the stream, where zlib checks the checksum.
     std::vector<uint8_t> rest(4096);
-    for (uint64_t behind = 0; true;) {
+    while (true) {
         DPL_TRY(const size_t more, stream->read(rest));
         if (more == 0) return p;
-        behind += more;
-        if (behind > (p.header.flags & kExtensionFlag ? kMaxExtensionBytes : 0))
+        p.extensions.insert(p.extensions.end(), rest.begin(), rest.begin() + ptrdiff_t(more));
+        if (p.extensions.size() > (p.header.flags & kExtensionFlag ? kMaxExtensionBytes : 0))
             return fail(Code::CorruptData, "SPZ: there is more data than {} splats need", p.header.splats);
     }
 }
@@ -145,8 +157,10 @@ Result<Packed> openZstd(std::span<const uint8_t> bytes) {
     if (p.header.version < 4) return fail(Code::CorruptData, "SPZ: version {} outside a gzip stream", p.header.version);
     DPL_TRY(const uint32_t tableAt, in.u32());
     DPL_RETURN_IF_ERROR(in.skip(12));
+    static_assert(kHeader4Bytes == sizeof(Header) + 4 + 12);
     if (tableAt < in.position()) return fail(Code::CorruptData, "SPZ: the table of streams at byte {} lies inside the header", tableAt);
-    DPL_RETURN_IF_ERROR(in.skip(tableAt - in.position()));
+    DPL_TRY(const auto extensions, in.take(tableAt - in.position()));
+    p.extensions.assign(extensions.begin(), extensions.begin() + ptrdiff_t(std::min<uint64_t>(extensions.size(), kMaxExtensionBytes)));
     const auto sizes = attributeBytes(p.header);
     const size_t stored =
         size_t(std::count_if(sizes.begin(), sizes.end(), [](uint64_t bytes) { return bytes > 0; }));  // empty streams are not stored
@@ -172,6 +186,11 @@ Result<Packed> openZstd(std::span<const uint8_t> bytes) {
         if (got != sizes[a]) return fail(Code::CorruptData, "SPZ: stream {} gave {} of {} bytes", a, got, sizes[a]);
     }
     return p;
+}
+
+Result<Packed> openSpz(std::span<const uint8_t> bytes) {
+    const bool gzip = bytes.size() >= 2 && bytes[0] == 0x1f && bytes[1] == 0x8b;
+    return gzip ? openGzip(bytes) : openZstd(bytes);
 }
 
 float fixed24(const uint8_t* from, float step) {
@@ -234,16 +253,26 @@ Result<StaticSplatData> unpack(const Packed& p) {
 
 }  // namespace
 
+Result<SplatAxes> axesOfSpz(std::span<const uint8_t> bytes) try {
+    DPL_TRY(const Packed packed, openSpz(bytes));
+    std::vector<std::string> notes;
+    return axesOf(packed.extensions, notes);
+} catch (const std::bad_alloc&) {
+    return outOfMemory("read an SPZ file");
+}
+
 Result<StaticSplatData> readSpz(std::span<const uint8_t> bytes, SpzInfo* info) try {
-    const bool gzip = bytes.size() >= 2 && bytes[0] == 0x1f && bytes[1] == 0x8b;
     Packed packed;
     {
         const TaskPart part(0, 0.6);
-        DPL_TRY(packed, gzip ? openGzip(bytes) : openZstd(bytes));
+        DPL_TRY(packed, openSpz(bytes));
     }
-    if (packed.header.shDegree > kMaxShDegree)
-        log(LogLevel::Info, "SPZ: SH degree {}, drawn up to degree {}", uint32_t(packed.header.shDegree), kMaxShDegree);
-    if (info) *info = {packed.header.version, packed.header.splats, packed.header.shDegree};
+    if (info) {
+        *info = {packed.header.version, packed.header.splats, packed.header.shDegree, {}};
+        info->remarks.shDegree = packed.header.shDegree;
+        noteShDegree(info->remarks);
+        info->remarks.axes = axesOf(packed.extensions, info->remarks.notes);
+    }
     const TaskPart part(0.6, 1);
     return unpack(packed);
 } catch (const std::bad_alloc&) {

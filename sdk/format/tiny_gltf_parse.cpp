@@ -91,6 +91,7 @@ GltfAccessor convertAccessor(const tinygltf::Accessor& from) {
                    : from.type == TINYGLTF_TYPE_SCALAR                                  ? 1
                                                                                         : 0;
     a.count = uint32_t(std::min<size_t>(from.count, std::numeric_limits<uint32_t>::max()));
+    a.least = from.minValues, a.largest = from.maxValues;
     if (from.sparse.isSparse) {
         a.sparse = {uint32_t(from.sparse.count),           from.sparse.indices.bufferView,
                     from.sparse.values.bufferView,         size_t(from.sparse.indices.byteOffset),

@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <span>
 #include <string_view>
 #include <vector>
@@ -16,6 +17,18 @@ namespace dpl {
 /** Reads the whole file. Its first bytes are checked before the rest is read: Unsupported if it is neither an avatar nor general splats,
  *  CorruptData if it is empty or a .glb whose header states another size. Errors name the file and the remedy. */
 Result<std::vector<uint8_t>> readAvatarBytes(const std::filesystem::path& path);
+
+/** What inspect and render say about a file that states no axes. */
+constexpr const char* kNoUpAxis = "no up axis stated; try --axes y-down";
+
+/** How a file of general splats stands. */
+struct StatedAxes {
+    bool any = false;   // the file, or the standard of its format, states its axes
+    Mat3d fileTurn{1};  // by which loading has therefore turned (or mirrored) it; identity if it states none
+};
+
+/** Nothing for an avatar, or for bytes that cannot be read. */
+std::optional<StatedAxes> statedAxes(std::span<const uint8_t> bytes);
 
 /** The avatar in the bytes of a file. `what` is wanted of it, for the error about general splats, which have none: "poses". Errors name the
  *  file. */

@@ -41,10 +41,14 @@ std::string formatName(const SplatFile& file) {
 
 std::string asText(const std::filesystem::path& path, const SplatSummary& s) {
     const StaticSplatData& splats = s.file.splats;
+    const SplatRemarks& remarks = s.file.remarks;
     const auto place = [](const Vec3f& p) { return formatText("({}, {}, {})", p.x, p.y, p.z); };
-    std::string out = formatText("{}  general splats, {}\n{} splats, SH degree {}{}{}\n", path.string(), formatName(s.file), splats.count(),
-                                 s.file.shDegree, s.file.shDegree > splats.shDegree ? formatText(" (drawn up to {})", splats.shDegree) : "",
-                                 splats.compensated ? ", trained antialiased" : "");
+    std::string out =
+        formatText("{}  general splats, {}\n{} splats, SH degree {}{}{}\n", path.string(), formatName(s.file), splats.count(),
+                   remarks.shDegree, remarks.shDegree > splats.shDegree ? formatText(" (drawn up to {})", splats.shDegree) : "",
+                   splats.compensated ? ", trained antialiased" : "");
+    out += remarks.axes.stated.empty() ? std::string(kNoUpAxis) + "\n" : formatText("axes: {}\n", remarks.axes.stated);
+    for (const std::string& note : remarks.notes) out += "note: " + note + "\n";
     out += formatText("middle 98 % of the centres from {} to {} m\nstandard deviations {} to {} m, median {} m\n", place(s.box.low),
                       place(s.box.high), s.smallestM, s.largestM, s.medianM);
     return out + formatText("{} bytes, {} a splat\n", s.fileBytes, splats.count() ? double(s.fileBytes) / splats.count() : 0.0);
@@ -56,8 +60,11 @@ std::string asJson(const std::filesystem::path& path, const SplatSummary& s) {
     nlohmann::ordered_json out = {{"file", path.string()}, {"format", nameOf(s.file.format)}};
     if (s.file.version) out["version"] = s.file.version;
     out.update({{"splats", splats.count()},
-                {"sh_degree", s.file.shDegree},
+                {"sh_degree", s.file.remarks.shDegree},
                 {"antialiased", splats.compensated},
+                {"axes", s.file.remarks.axes.stated},
+                {"dropped", s.file.remarks.dropped},
+                {"notes", s.file.remarks.notes},
                 {"box_low_m", place(s.box.low)},
                 {"box_high_m", place(s.box.high)},
                 {"smallest_scale_m", s.smallestM},

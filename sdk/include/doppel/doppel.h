@@ -265,7 +265,7 @@ typedef struct DplAvatarInfo {
     uint32_t layerCount;
     uint32_t clipCount; /**< dplLoadClip adds one */
     uint32_t shDegree;  /**< highest degree of the spherical harmonics; 0: the colour does not depend on the direction */
-    /** Bounding box of the mesh at rest, metres. For general splats: of the middle 98 % of their centres along each axis. */
+    /** Bounding box of the mesh at rest, metres. General splats: the middle 98 % of their centres, at least 3 deviations. */
     float restMin[3];
     float restMax[3];
     /** What the file holds. If memory was short, splatCount or shDegree is lower: see dplSetMemoryLimit. */

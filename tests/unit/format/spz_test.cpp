@@ -99,7 +99,7 @@ TEST(Spz, bandsAboveDegree3AreDroppedAndExtensionsSkipped) {
     rich.body.insert(rich.body.end(), 100, 7);
     auto file = readSplats(rich.packed());
     ASSERT_TRUE(file) << file.error().message;
-    EXPECT_EQ(file->shDegree, 4u);
+    EXPECT_EQ(file->remarks.shDegree, 4u);
     EXPECT_EQ(file->splats.shDegree, 3u);
     EXPECT_EQ(file->splats.sh.size(), 48u);
     EXPECT_EQ(file->splats.sh[47], 44 / 128.0f);
@@ -110,6 +110,18 @@ TEST(Spz, bandsAboveDegree3AreDroppedAndExtensionsSkipped) {
     auto moved = readSplats(modern);
     ASSERT_TRUE(moved) << moved.error().message;
     EXPECT_EQ(moved->splats.count(), 7u);
+}
+
+/** In a gzip stream the extensions lie behind the attributes. */
+TEST(Spz, theCoordinateExtensionOfVersion3IsHeard) {
+    SpzByHand f = oneSpzSplat();
+    f.flags = 2;
+    for (const uint32_t word : {0xadbe0003u, 4u, 6u}) append(f.body, word);  // right, down, front
+    auto file = readSplats(f.packed());
+    ASSERT_TRUE(file) << file.error().message;
+    EXPECT_EQ(file->splats.position[0], Vec3f(1, 1.0f / 4096, 2048));
+    EXPECT_EQ(file->remarks.axes.stated, "x right, y down, z front");
+    EXPECT_EQ(axesOfFile(f.packed())->stated, "x right, y down, z front");
 }
 
 TEST(Spz, rejectList) {
