@@ -138,8 +138,10 @@ Result<BenchSubject> BenchSubject::load(const BenchOptions& options) {
     }
     auto info = avatar->info();
     if (!info) return fromSdk(info.error());
-    BenchSubject subject{std::move(bytes), std::move(*context), std::move(*avatar), *info,
-                         std::vector<float>(size_t(info->jointCount) * 4)};
+    BenchSubject subject{
+        std::move(bytes), std::move(*context), std::move(*avatar), *info, std::vector<float>(size_t(info->jointCount) * 4), Vec3f(0),
+        Mat3d(1)};
+    if (const auto stated = statedAxes(subject.bytes)) subject.fileTurn = stated->fileTurn;
     if (info->jointCount > 0 && dplGetPose(subject.avatar.handle(), subject.rotations.data(), info->jointCount, &subject.root.x) != DPL_OK)
         return fail(Code::Internal, "{}", dplGetLastError());
     return subject;
@@ -148,7 +150,7 @@ Result<BenchSubject> BenchSubject::load(const BenchOptions& options) {
 std::vector<Cameraf> BenchSubject::views(const BenchCase& test, const std::string& axes) const {
     constexpr float kZoom = 4;
     constexpr float kHeadAbove = 0.36f;  // height of the head above the centre, as a share of the unzoomed picture's height
-    Cameraf centre = frameAvatar(info, test.widthPx, test.heightPx, 0.4, uprightFromFile(axes));
+    Cameraf centre = frameAvatar(info, test.widthPx, test.heightPx, 0.4, uprightFromLoaded(axes, fileTurn));
     if (test.portrait) centre.fx *= kZoom, centre.fy *= kZoom, centre.cy += kZoom * kHeadAbove * float(test.heightPx);
     if (test.viewCount == 1) return {centre};
     return {shiftedSideways(centre, -kEyeDistanceM / 2), shiftedSideways(centre, kEyeDistanceM / 2)};

@@ -24,7 +24,7 @@ struct BenchOptions {
     std::string clip, animation;
     double timeS = 0;
     uint32_t repeats = 11, threadCount = 0;
-    std::string axes = "y-up";
+    std::string axes;  // empty: as the file states
     bool withoutReference = false;
     uint32_t shrink = 1;  // divides the sides of all pictures
 };
@@ -43,6 +43,7 @@ struct BenchSubject {
     DplAvatarInfo info;  // its name pointer is valid as long as `avatar`
     std::vector<float> rotations;
     Vec3f root{0};
+    Mat3d fileTurn{1};  // of general splats, see StatedAxes
 
     static Result<BenchSubject> load(const BenchOptions& options);
     std::vector<Cameraf> views(const BenchCase& test, const std::string& axes) const;

@@ -29,7 +29,7 @@ size_t millisecondsSince(Clock::time_point start) {
 struct RenderOptions {
     fs::path avatar, out, scan, poses;
     std::vector<fs::path> beside;
-    std::string clip, animation, split = "test", size = "720x1280", renderer = "auto", fill = "auto", axes = "y-up";
+    std::string clip, animation, split = "test", size = "720x1280", renderer = "auto", fill = "auto", axes;
     double apartM = 0.8, timeS = 0, seconds = 0, framesPerSecond = 30, azimuthDeg = 0, scale = 1;
     double splatsPerPixel = 0;
     bool turntable = false, stereo = false, unfitted = false;
@@ -58,9 +58,12 @@ Status makeFolder(const fs::path& folder) {
     return {};
 }
 
-/** --scan: one PNG with straight alpha per frame, named like the frame, from the camera of the reconstruction and the pose found for it.
- *  Returns their number. */
-Result<size_t> renderScan(const RenderOptions& options, const doppel::Context& context, doppel::Avatar& avatar, Progress& progress) {
+struct Drawn {
+    size_t frames = 0, empty = 0;  // empty: no splat covers a pixel
+};
+
+/** --scan: one PNG with straight alpha per frame, named like the frame, from the camera of the reconstruction and the pose found for it. */
+Result<Drawn> renderScan(const RenderOptions& options, const doppel::Context& context, doppel::Avatar& avatar, Progress& progress) {
     const fs::path posesPath = options.poses.empty() ? options.avatar.parent_path() / "poses.json" : options.poses;
     DPL_TRY(const RunScan run, readRunScan(options.scan, posesPath));
     DPL_RETURN_IF_ERROR(makeFolder(options.out));
@@ -68,6 +71,7 @@ Result<size_t> renderScan(const RenderOptions& options, const doppel::Context& c
     for (size_t f = 0; f < run.scan.frames.size(); ++f)
         if (options.split == "all" || splitName(run.scan.frames[f].split) == options.split) frames.push_back(f);
     if (frames.empty()) return fail(Code::NotFound, "{} has no frames of split '{}'", posesPath.string(), options.split);
+    Drawn drawn{frames.size()};
     progress.beginStage("render");
     for (size_t i = 0; i < frames.size(); ++i) {
         if (progress.cancelled()) return fail(Code::Cancelled, "stopped after {} of {} frames", i, frames.size());
@@ -79,11 +83,12 @@ Result<size_t> renderScan(const RenderOptions& options, const doppel::Context& c
         const Cameraf camera = run.cameras[frames[i]].scaled(options.scale).cast<float>();
         const DplAvatar row[1] = {avatar.handle()};
         DPL_TRY(auto pixels, drawViews(context, row, {&camera, 1}));
+        drawn.empty += isEmpty(pixels);
         DPL_RETURN_IF_ERROR(writePng(options.out / (found.name + ".png"), pixels[0], camera.widthPx, camera.heightPx, 4));
         progress.update(double(i + 1) / double(frames.size()), found.name);
     }
     progress.endStage(formatText("{} pictures in {}", frames.size(), options.out.string()));
-    return frames.size();
+    return drawn;
 }
 
 /** Moves the avatar along +X from where its pose has put it. General splats stay where their file says. */
@@ -102,6 +107,7 @@ Status moveAside(doppel::Avatar& avatar, double metres) {
 
 /** The avatars that are drawn together, and the clip that each of them plays. */
 struct Company {
+    Mat3d upright{1};  // from the axes of the loaded files
     std::vector<doppel::Avatar> avatars;
     std::vector<uint32_t> clips;
     std::vector<double> asideM;
@@ -125,8 +131,8 @@ Result<DplAvatarInfo> boxOf(const Company& company) {
     return all;
 }
 
-/** Stills, turntables and clips, from a camera that frames all avatars. Returns the number of frames. */
-Result<size_t> renderShots(const RenderOptions& options, const doppel::Context& context, Company& company, Progress& progress) {
+/** Stills, turntables and clips, from a camera that frames all avatars. */
+Result<Drawn> renderShots(const RenderOptions& options, const doppel::Context& context, Company& company, Progress& progress) {
     const PictureSize size = parsePictureSize(options.size).value_or(PictureSize{});  // the option parser has checked it
     double duration = options.turntable ? 6 : 0;
     for (size_t i = 0; i < company.avatars.size(); ++i) {
@@ -149,6 +155,7 @@ Result<size_t> renderShots(const RenderOptions& options, const doppel::Context& 
     const std::string extension = options.out.extension().string();
     const bool still = extension == ".png", video = extension == ".mp4";
     const size_t frameCount = still ? 1 : std::max<size_t>(1, size_t(std::lround(duration * options.framesPerSecond)));
+    Drawn drawn{frameCount};
     const uint32_t viewCount = options.stereo ? 2 : 1, outWidthPx = size.widthPx * viewCount;
     if (video && (outWidthPx % 2 || size.heightPx % 2))
         return fail(Code::InvalidArgument, "--size {}: a video needs an even width and height, like 720x1280", options.size);
@@ -167,11 +174,12 @@ Result<size_t> renderShots(const RenderOptions& options, const doppel::Context& 
             DPL_RETURN_IF_ERROR(moveAside(company.avatars[k], company.asideM[k]));
         }
         const double turn = options.turntable ? 2 * std::numbers::pi * double(i) / double(frameCount) : 0;
-        const Cameraf centre = frameAvatar(box, size.widthPx, size.heightPx, options.azimuthDeg * std::numbers::pi / 180 + turn,
-                                           uprightFromFile(options.axes));
+        const Cameraf centre =
+            frameAvatar(box, size.widthPx, size.heightPx, options.azimuthDeg * std::numbers::pi / 180 + turn, company.upright);
         std::vector<Cameraf> views = {centre};
         if (options.stereo) views = {shiftedSideways(centre, -kEyeDistanceM / 2), shiftedSideways(centre, kEyeDistanceM / 2)};
         DPL_TRY(auto pixels, drawViews(context, company.row, views));
+        drawn.empty += isEmpty(pixels);
         if (still && !options.stereo) {
             DPL_RETURN_IF_ERROR(writePng(options.out, pixels[0], size.widthPx, size.heightPx, 4));
         } else {
@@ -191,7 +199,7 @@ Result<size_t> renderShots(const RenderOptions& options, const doppel::Context& 
         kept = formatText(", at most {} splats in the last frame, {} of them in view", stats->splatsAllowed, stats->splatsDrawn);
     }
     progress.endStage(formatText("{} {} in {}{}", frameCount, frameCount == 1 ? "frame" : "frames", options.out.string(), kept));
-    return frameCount;
+    return drawn;
 }
 
 /** Refuses options that would pose general splats, because these have no joints. */
@@ -225,6 +233,7 @@ Result<nlohmann::json> renderAll(const RenderOptions& options, const Talk& talk)
     files.insert(files.end(), options.beside.begin(), options.beside.end());
     DPL_TRY(auto context, makeContext(options));
     Company company;
+    uint64_t splats = 0;
     for (const fs::path& file : files) {
         const auto start = Clock::now();
         DPL_TRY(auto bytes, readAvatarBytes(file));
@@ -233,18 +242,27 @@ Result<nlohmann::json> renderAll(const RenderOptions& options, const Talk& talk)
         auto info = avatar->info();
         if (!info) return fromSdk(info.error());
         if (info->jointCount == 0) DPL_RETURN_IF_ERROR(checkStill(options, file));
+        const auto stated = statedAxes(bytes);
+        if (stated && !stated->any && options.axes.empty()) progress.note(formatText("{}: {}", file.string(), kNoUpAxis));
+        if (company.avatars.empty()) company.upright = uprightFromLoaded(options.axes, stated ? stated->fileTurn : Mat3d(1));
         progress.detail(formatText("{}: {} bytes, {} splats of {}, loaded in {} ms", file.string(), bytes.size(), info->splatCount,
                                    info->fileSplatCount, millisecondsSince(start)));
+        splats += info->splatCount;
         company.avatars.push_back(std::move(*avatar));
     }
     progress.note("drawing with " + context.rendererName());
     const auto start = Clock::now();
-    DPL_TRY(const size_t frames, options.scan.empty() ? renderShots(options, context, company, progress)
-                                                      : renderScan(options, context, company.avatars[0], progress));
+    DPL_TRY(const Drawn drawn, options.scan.empty() ? renderShots(options, context, company, progress)
+                                                    : renderScan(options, context, company.avatars[0], progress));
+    const size_t frames = drawn.frames;
+    if (drawn.empty > 0)
+        progress.note(formatText("nothing is drawn in {} of {} {}: no splat covers a pixel ({} splats loaded)", drawn.empty, frames,
+                                 frames == 1 ? "picture" : "pictures", splats));
     if (const auto stats = company.avatars[0].frameStats())
         progress.detail(formatText("{} ms a frame with writing it, {} splats drawn in the last one, {} MiB held by the renderer",
                                    millisecondsSince(start) / std::max<size_t>(1, frames), stats->splatsDrawn, stats->residentBytes >> 20));
-    return nlohmann::json{{"out", options.out.string()}, {"frames", frames}, {"renderer", context.rendererName()}};
+    return nlohmann::json{
+        {"out", options.out.string()}, {"frames", frames}, {"empty_frames", drawn.empty}, {"renderer", context.rendererName()}};
 }
 
 }  // namespace
@@ -272,9 +290,10 @@ void addRenderCommand(CLI::App& app, CommandRun& run) {
     command->add_flag("--turntable", options->turntable, "Move the camera once around the avatar");
     command->add_option("--azimuth", options->azimuthDeg, "Angle of the camera around the avatar, degrees; 0: from the front")
         ->check(inRange(-360.0, 360.0));
-    command->add_option("--axes", options->axes, "The file's up axis; many 3D Gaussian splatting PLYs are y-down")
-        ->check(CLI::IsMember(kAxesNames))
-        ->capture_default_str();
+    command
+        ->add_option("--axes", options->axes,
+                     "The file's up axis, instead of the one that it states; many 3D Gaussian splatting PLYs are y-down")
+        ->check(CLI::IsMember(kAxesNames));
     command->add_flag("--stereo", options->stereo, "Left and right eye side by side, 63 mm apart");
     command->add_option("--size", options->size, "Size of one view")->check(isPictureSize())->capture_default_str();
     command->add_option("--scan", options->scan, "Draw the frames of this scan from its own cameras, one PNG with alpha for each frame");

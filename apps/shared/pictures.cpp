@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "apps/shared/pictures.h"
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 
@@ -59,15 +60,29 @@ Mat3d uprightFromFile(const std::string& axes) {
     return Mat3d(1);
 }
 
+Mat3d uprightFromLoaded(const std::string& axes, const Mat3d& fileTurn) {
+    if (axes.empty()) return Mat3d(1);
+    Mat3d fileFromLoaded = glm::transpose(fileTurn);
+    if (glm::determinant(fileFromLoaded) < 0) fileFromLoaded = Mat3d(-1, 0, 0, 0, 1, 0, 0, 0, 1) * fileFromLoaded;  // cameras do not mirror
+    return uprightFromFile(axes) * fileFromLoaded;
+}
+
 Cameraf frameAvatar(const DplAvatarInfo& avatar, uint32_t widthPx, uint32_t heightPx, double azimuthRad, const Mat3d& uprightFromFile) {
-    const Vec3d corner = uprightFromFile * Vec3d(avatar.restMin[0], avatar.restMin[1], avatar.restMin[2]);
-    const Vec3d opposite = uprightFromFile * Vec3d(avatar.restMax[0], avatar.restMax[1], avatar.restMax[2]);
-    const Vec3d low = glm::min(corner, opposite), high = glm::max(corner, opposite);
+    Vec3d low(INFINITY), high(-INFINITY);
+    for (uint32_t corner = 0; corner < 8; ++corner) {
+        Vec3d at;
+        for (int k = 0; k < 3; ++k) at[k] = corner >> k & 1 ? avatar.restMax[k] : avatar.restMin[k];
+        at = uprightFromFile * at, low = glm::min(low, at), high = glm::max(high, at);
+    }
     const Vec3d middle = 0.5 * (low + high);
     const double halfHeight = 0.5 * (high.y - low.y), halfWidth = 0.5 * std::hypot(high.x - low.x, high.z - low.z);
     constexpr double kHalfFovY = 0.3, kMargin = 1.12;  // a 34° lens, as for a portrait of a whole person
-    const double focal = 0.5 * heightPx / std::tan(kHalfFovY);
-    const double distance = kMargin * std::max(halfHeight * focal / (0.5 * heightPx), halfWidth * focal / (0.5 * widthPx)) + halfWidth;
+    constexpr double kNearestM = 0.2;                  // beyond the near plane and its fade (docs/reference/projection.md)
+    double focal = 0.5 * heightPx / std::tan(kHalfFovY);
+    const double front = kMargin * std::max(halfHeight * focal / (0.5 * heightPx), halfWidth * focal / (0.5 * widthPx));
+    const double farther = front > 0 ? std::max(1.0, kNearestM / front) : 1.0;
+    focal *= farther;
+    const double distance = front * farther + halfWidth;
     // View axes in the world: z looks from the eye to the middle, y is down.
     const Vec3d back(std::sin(azimuthRad), 0, std::cos(azimuthRad));
     const Vec3d eye = middle + distance * back, z = -back, y(0, -1, 0), x = glm::cross(y, z);
@@ -77,7 +92,7 @@ Cameraf frameAvatar(const DplAvatarInfo& avatar, uint32_t widthPx, uint32_t heig
     camera.cx = 0.5 * widthPx, camera.cy = 0.5 * heightPx;
     camera.viewFromWorldRotation = glm::transpose(Mat3d(x, y, z));
     camera.viewFromWorldTranslation = -(camera.viewFromWorldRotation * eye);
-    camera.viewFromWorldRotation = camera.viewFromWorldRotation * uprightFromFile;  // rotations by quarter turns keep the box axis-aligned
+    camera.viewFromWorldRotation = camera.viewFromWorldRotation * uprightFromFile;
     return camera.cast<float>();
 }
 
@@ -104,6 +119,14 @@ Result<std::vector<std::vector<uint8_t>>> drawViews(const doppel::Context& conte
     }
     if (auto drawn = context.renderTogether(avatars, cameras, images); !drawn) return fromSdk(drawn.error());
     return pixels;
+}
+
+bool isEmpty(std::span<const std::vector<uint8_t>> views) {
+    return std::all_of(views.begin(), views.end(), [](const std::vector<uint8_t>& rgba) {
+        for (size_t at = 3; at < rgba.size(); at += 4)
+            if (rgba[at] != 0) return false;
+        return true;
+    });
 }
 
 std::vector<uint8_t> sideBySide(std::span<const std::vector<uint8_t>> views, uint32_t widthPx, uint32_t heightPx) {

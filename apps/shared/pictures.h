@@ -12,10 +12,13 @@ namespace dpl {
 
 Error fromSdk(const doppel::Error& error);
 
-/** Up axis of a file: "y-up" (avatars, glTF, SPZ), "y-down" (most 3D Gaussian splatting PLYs), "z-up" or "z-down". */
+/** Up axis of a file: "y-up", "y-down" (most 3D Gaussian splatting PLYs), "z-up" or "z-down". */
 inline const std::vector<std::string> kAxesNames = {"y-up", "y-down", "z-up", "z-down"};
 /** The rotation that turns a file with these axes y-up. Identity for any other name. */
 Mat3d uprightFromFile(const std::string& axes);
+/** The rotation that turns a loaded file upright. Loading has turned it by `fileTurn`, as the file states. `axes` is the user's word for
+ *  the file, which replaces that; empty: no word. */
+Mat3d uprightFromLoaded(const std::string& axes, const Mat3d& fileTurn);
 /** Values of --fill. */
 inline const std::vector<std::string> kFillNames = {"auto", "quads", "tiles"};
 DplFill fillOf(const std::string& name);
@@ -27,7 +30,7 @@ Result<uint32_t> chooseClip(doppel::Avatar& avatar, const std::string& clip, con
 constexpr const char* kAnimationHelp = "With --clip FILE.glb: name or number (from 0) of the animation in it; default: the first";
 
 /** A camera that looks at the middle of the avatar's rest box from `azimuthRad` (0: the front, positive towards the avatar's left) so that
- *  the avatar fills the picture. */
+ *  the avatar fills the picture. Small things are seen from so far, through a longer lens, that nothing fades at the near plane. */
 Cameraf frameAvatar(const DplAvatarInfo& avatar, uint32_t widthPx, uint32_t heightPx, double azimuthRad,
                     const Mat3d& uprightFromFile = Mat3d(1));
 
@@ -39,6 +42,9 @@ Cameraf shiftedSideways(const Cameraf& camera, double metres);
 /** Draws `avatars` together and returns one RGBA8 picture per view, straight alpha. */
 Result<std::vector<std::vector<uint8_t>>> drawViews(const doppel::Context& context, std::span<const DplAvatar> avatars,
                                                     std::span<const Cameraf> views);
+
+/** Whether no pixel of any picture is covered. */
+bool isEmpty(std::span<const std::vector<uint8_t>> views);
 
 /** The views side by side over a grey gradient, as RGB8; the result is views.size()·widthPx wide. */
 std::vector<uint8_t> sideBySide(std::span<const std::vector<uint8_t>> views, uint32_t widthPx, uint32_t heightPx);
