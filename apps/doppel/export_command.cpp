@@ -18,25 +18,44 @@ void addExportCommand(CLI::App& app, CommandRun& run) {
         ->add_option("avatar", options->avatar,
                      "Avatar file (.glb), or general splats (.ply, compressed .ply, .spz, .glb with KHR_gaussian_splatting)")
         ->required();
-    command->add_option("-o,--out", options->out, "A .ply (INRIA layout) or a .glb (KHR_gaussian_splatting; with --mesh: skinned mesh)")
+    command
+        ->add_option(
+            "-o,--out", options->out,
+            "A .glb (KHR_gaussian_splatting, the first choice; with --mesh: skinned mesh), a .spz (smallest) or a .ply (INRIA layout)")
         ->required()
-        ->check(isOutputFile({".ply", ".glb"}));
+        ->check(isOutputFile({".glb", ".spz", ".ply"}));
+    command->add_option("--input-axes", options->inputAxes, "The up axis of general splats, instead of the one that they state")
+        ->check(CLI::IsMember(kAxesNames));
+    command
+        ->add_option(
+            "--axes", options->axes,
+            "Axes of a .ply. y-down (default): half a turn about z, for SuperSplat and splat-transform; y-up: for three.js, Spark and "
+            "the PlayCanvas engine. The file states them")
+        ->check(CLI::IsMember({"y-down", "y-up"}));
+    command->add_option("--spz-version", options->spzVersion, "Version of a .spz; 3 for older readers")
+        ->check(CLI::IsMember({3, 4}))
+        ->capture_default_str();
     command->add_option("--clip", options->clip, "A clip of the avatar by name, or a BVH or glTF file; default: the rest pose");
     command->add_option("--animation", options->animation, kAnimationHelp)->needs("--clip");
     command->add_option("--time", options->timeS, "Time in the clip, seconds")->check(inRange(0.0, 1e6))->needs("--clip");
     command
         ->add_flag("--mesh", *mesh,
                    "Write the mesh without splats, with normals, vertex colours, skeleton and the avatar's clips, for any glTF viewer")
-        ->excludes("--clip");
+        ->excludes("--clip")
+        ->excludes("--axes")
+        ->excludes("--input-axes")
+        ->excludes("--spz-version");
     command->footer(
         "Examples:\n"
-        "  doppel export ada/avatar.glb -o ada.ply\n"
+        "  doppel export ada/avatar.glb -o ada-splats.glb\n"
         "  doppel export ada/avatar.glb -o stride.glb --clip 02_01.bvh --time 0.8\n"
         "  doppel export ada/avatar.glb --mesh -o ada-mesh.glb\n"
         "  doppel export guitar.spz -o guitar.ply\n"
+        "  doppel export guitar.ply -o guitar.spz --input-axes y-down\n"
         "The mesh is unlit (KHR_materials_unlit): its colours contain the light of the scan, and viewers show them as photographed.");
     command->callback([options, mesh, &run] {
         refuseInputAsOutput(options->out, {options->avatar, options->clip});
+        if (const std::string wrong = *mesh ? "" : wrongExport(*options); !wrong.empty()) throw CLI::ValidationError("--out", wrong);
         run = [options, mesh] {
             auto line = *mesh ? exportMesh(options->avatar, options->out) : exportPosedSplats(*options);
             if (!line) return reportError(line.error());

@@ -37,7 +37,7 @@ Result<StaticSplatData> posedSplats(const AvatarData& avatar, const Pose& pose) 
     const uint32_t shFloats = 3 * shCoefficientCount(in.shDegree);
     const ShRotator rotator;
     StaticSplatData out;
-    out.shDegree = in.shDegree;
+    out.shDegree = in.shDegree, out.compensated = avatar.compensated;
     for (size_t t = 0; t + 1 < in.triangleStart.size(); ++t) {
         const TriangleFrame<float>& frame = frames[t];
         if (!frame.valid) continue;

@@ -19,14 +19,20 @@ constexpr float kFlatThicknessM = 1e-4f;  // standard deviation across the surfa
 Result<StaticSplatData> posedSplats(const AvatarData& avatar, const Pose& pose);
 
 struct ExportOptions {
-    std::filesystem::path avatar, out;  // the extension of `out` selects the format: .ply or .glb
+    std::filesystem::path avatar, out;  // the extension of `out` selects the format: .glb, .spz or .ply
     std::string clip;                   // name of a clip of the avatar, or path of a BVH or glTF file; empty: rest pose
     std::string animation;              // name or number of an animation in a glTF file; empty: the first
     double timeS = 0;
+    std::string inputAxes;    // of general splats, instead of what they state: "y-up", "y-down", "z-up" or "z-down"; empty: as stated
+    std::string axes;         // of a .ply: "y-down" (half a turn about z from ours) or "y-up"; empty: y-down, for other formats y-up
+    uint32_t spzVersion = 4;  // 3 for older readers
 };
 
-/** Reads an avatar, poses it and writes its splats. General splats as input are converted without a pose. Returns a line of counts and
- *  sizes to show the user. */
+/** Why a file of this name and these options cannot be written; empty if it can. */
+std::string wrongExport(const ExportOptions& options);
+
+/** Reads an avatar, poses it and writes its splats. General splats as input are converted without a pose. Returns lines to show the user:
+ *  what the format cannot hold, counts and sizes, and the viewers that show the file upright. */
 Result<std::string> exportPosedSplats(const ExportOptions& options);
 
 }  // namespace dpl
