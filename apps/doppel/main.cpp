@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <cstring>
 #include <string_view>
+#include <system_error>
 
 #include "apps/doppel/commands.h"
 #include "apps/doppel/interruption.h"
@@ -96,6 +97,12 @@ int main(int argc, char** argv) {
         return flushOutput(endedSoonAfterInterrupt(run, [&talk] { return talk.fail(Error{Code::Cancelled, "stopped"}); }));
     } catch (const std::bad_alloc&) {
         return talk.fail(fail(Code::OutOfMemory, "out of memory; close other programs or use a smaller preset"));
+    } catch (const std::system_error& error) {
+        if (error.code() != std::errc::resource_unavailable_try_again) return talk.fail(fail(Code::Internal, "{}", error.what()));
+        return talk.fail(
+            fail(Code::OutOfMemory,
+                 "no thread can be started: this machine, or a limit (ulimit -v, ulimit -u), grants too little memory or too few "
+                 "threads; close other programs, or raise the limit"));
     } catch (const std::exception& error) {  // a reconstruction stage may throw
         return talk.fail(fail(Code::Internal, "{}", error.what()));
     }

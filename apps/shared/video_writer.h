@@ -23,14 +23,19 @@ public:
 
     /** rgb: one frame, 3 bytes per pixel, rows without padding. After an error only the destructor may be called. */
     Status write(std::span<const uint8_t> rgb);
-    /** Call once. Errors carry ffmpeg's last line. */
+    /** Call once. Reads the frames back before the file gets its name, because ffmpeg ends well on a full disk. Errors carry ffmpeg's last
+     *  line. */
     Status finish();
 
 private:
-    VideoWriter(std::unique_ptr<FedProgram> ffmpeg, std::filesystem::path path, std::filesystem::path temporary)
-        : ffmpeg_(std::move(ffmpeg)), path_(std::move(path)), temporary_(std::move(temporary)) {}
+    VideoWriter(std::unique_ptr<FedProgram> ffmpeg, std::filesystem::path path, std::filesystem::path temporary, std::string size)
+        : ffmpeg_(std::move(ffmpeg)), path_(std::move(path)), temporary_(std::move(temporary)), size_(std::move(size)) {}
+    Status checkWritten() const;
+
     std::unique_ptr<FedProgram> ffmpeg_;  // null once it has ended
     std::filesystem::path path_, temporary_;
+    std::string size_;  // "640x480"
+    size_t frames_ = 0;
 };
 
 }  // namespace dpl

@@ -2,6 +2,7 @@
 #include "reconstruction/run/reconstruct.h"
 
 #include "reconstruction/base/folder_lock.h"
+#include "reconstruction/judging/ladder/true_mesh.h"
 #include "reconstruction/run/cameras_file.h"
 #include "reconstruction/run/import_scan.h"
 #include "reconstruction/run/output_claim.h"
@@ -66,6 +67,7 @@ Result<T> withRun(const ReconstructOptions& options, Progress& progress, const s
     run.put(RunRequest{*scan, options}, "request");
     DPL_TRY(const ReadScan* read, run.get<ReadScan>());
     DPL_RETURN_IF_ERROR(claimOutput(options, read->scan));
+    DPL_RETURN_IF_ERROR(checkTruth(read->scan));
     return work(run);
 }
 

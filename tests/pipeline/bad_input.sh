@@ -51,6 +51,17 @@ del scan["frames"][0]["camera"]
 json.dump(scan, open("bad/scan.json", "w"))
 P
 refuses "absent camera" "scan.json" "$doppel" reconstruct bad -o out
+copy; python3 - <<'P'
+# An empty file of true positions: without the check it ended the report, after the training.
+import json
+truth = json.load(open("bad/truth.json"))
+frame = next(f for f in truth["frames"] if "posed" in f)
+open("bad/" + frame["posed"], "w").close()
+P
+for command in check reconstruct; do
+    refuses "an empty truth file, before any stage: $command" "bad/posed/.*\.bin: 0 bytes" "$doppel" $command bad -o truth
+done
+[ ! -d truth/work ] || [ -z "$(ls truth/work | grep -v ingest)" ] || { echo "FAILED: stages ran: $(ls truth/work)" >&2; failures=$((failures + 1)); }
 copy; head -c 500 scan/scan.json >bad/scan.json
 refuses "truncated scan.json" "scan.json" "$doppel" reconstruct bad -o out
 if ! grep -q '"reason": "[^"]*bad/scan.json: not valid JSON' out/verdict.json; then

@@ -221,4 +221,12 @@ Result<std::optional<std::vector<Vec3f>>> trueSurface(const TrueMesh& mesh, cons
     return Positions(std::move(positions));
 }
 
+Status checkTruth(const Scan& scan) {
+    DPL_TRY(const auto mesh, readTrueMesh(scan));
+    if (!mesh) return {};
+    for (size_t f = 0; f < scan.frames.size(); ++f)
+        if (scan.frames[f].kind == FrameKind::Dynamic) DPL_RETURN_IF_ERROR(trueSurface(*mesh, mesh->frames[f], FrameKind::Dynamic));
+    return {};
+}
+
 }  // namespace dpl

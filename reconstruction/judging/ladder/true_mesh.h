@@ -54,4 +54,8 @@ std::vector<Vec3f> skinnedTruth(const TrueMesh& mesh, const TrueFrame& frame);
  *  known. */
 Result<std::optional<std::vector<Vec3f>>> trueSurface(const TrueMesh& mesh, const TrueFrame& frame, FrameKind kind);
 
+/** Whether the truth of a scan, if it has one, can be read: the mesh and the positions of every moving frame. A run looks at it before it
+ *  trains, because its report needs it at the end. Errors name the file. */
+Status checkTruth(const Scan& scan);
+
 }  // namespace dpl

@@ -50,6 +50,15 @@ else
 fi
 
 "$make_tiny_avatar" avatar.glb
+# Too little memory for the first thread. The least limit under which the program starts is looked for.
+for ((megabytes = 20; megabytes < 600; megabytes += 2)); do
+    said=$( (ulimit -v $((megabytes * 1024)); "$doppel" inspect avatar.glb) 2>&1) && break
+    case "$said" in *"no thread can be started"* | *"Resource temporarily unavailable"*) break ;; esac
+done
+case "$said" in
+    *"doppel: no thread can be started"*"ulimit -v"*) echo "ok: too little memory for a thread: at $megabytes MB" ;;
+    *) echo "FAILED: too little memory for a thread: '$said'" >&2; failures=$((failures + 1)) ;;
+esac
 is "render --json" "$("$doppel" render avatar.glb -o a.png --size 32x32 --renderer software --json 2>/dev/null |
     python3 -c 'import json, sys; d = json.load(sys.stdin); print(d["out"], d["frames"], bool(d["renderer"]))')" "a.png 1 True"
 is "pack --json" "$("$doppel" pack avatar.glb -o small.glb --pictures 2 --json 2>/dev/null |

@@ -71,5 +71,24 @@ TEST_F(TrueMeshTest, aPosedFileOutsideOfTheScanIsRefused) {
     EXPECT_NE(mesh.error().message.find("frame_7"), std::string::npos) << mesh.error().message;
 }
 
+TEST_F(TrueMeshTest, aRunLooksAtAllOfItBeforeItTrains) {
+    const Scan& scan = toy_.table.scan;
+    ASSERT_TRUE(checkTruth(scan));
+    const auto posed = must(readFile(file("posed/frame_7.bin")));
+    std::vector<uint8_t> notFinite = posed;
+    std::fill_n(notFinite.begin() + 4, 4, uint8_t(0xff));
+    for (const std::span<const uint8_t> bytes :
+         {std::span<const uint8_t>(), std::span<const uint8_t>(posed).first(posed.size() - 4), std::span<const uint8_t>(notFinite)}) {
+        mustWrite(file("posed/frame_7.bin"), bytes);
+        const Status checked = checkTruth(scan);
+        ASSERT_FALSE(checked);
+        EXPECT_NE(checked.error().message.find("frame_7.bin"), std::string::npos) << checked.error().message;
+    }
+    std::filesystem::remove(file("posed/frame_7.bin"));
+    EXPECT_FALSE(checkTruth(scan));
+    std::filesystem::remove(file("truth.json"));
+    EXPECT_TRUE(checkTruth(scan)) << "a scan without truth needs none";
+}
+
 }  // namespace
 }  // namespace dpl::test
