@@ -15,9 +15,9 @@ namespace {
 
 constexpr double kDegrees = 180 / std::numbers::pi;
 
-std::string kindOf(const ScanFrame& frame) {
-    if (frame.split == Split::Test) return "held out";
-    return frame.kind == FrameKind::StaticFull ? "still" : frame.kind == FrameKind::StaticCloseup ? "close-up" : "moving";
+std::optional<FrameKind> kindOf(const ScanFrame& frame) {
+    if (frame.split == Split::Test) return std::nullopt;
+    return frame.kind;
 }
 
 /** Where a person who stands at the origin is. */
@@ -36,7 +36,7 @@ Result<CameraErrors> compareCameras(const Scan& scan, const Scan& truth) {
     for (const ScanFrame& frame : scan.frames) byName[frame.name] = &frame;
     std::vector<Camerad> from, to;
     for (const ScanFrame& frame : truth.frames)
-        if (const auto found = byName.find(frame.name); found != byName.end() && kindOf(frame) == "still")
+        if (const auto found = byName.find(frame.name); found != byName.end() && kindOf(frame) == FrameKind::StaticFull)
             from.push_back(found->second->camera), to.push_back(frame.camera);
     const auto align = alignCameras(from, to);
     if (!align) return fail(Code::NotFound, "only {} still training frames have a camera in both scans", from.size());
@@ -45,7 +45,8 @@ Result<CameraErrors> compareCameras(const Scan& scan, const Scan& truth) {
     out.tiltDeg = std::acos(std::clamp((align->rotation * Vec3d(0, 1, 0)).y, -1.0, 1.0)) * kDegrees;
     out.focalPx = from[0].fx, out.trueFocalPx = to[0].fx;
     const std::vector<Vec3d> points = personPoints();
-    for (const char* kind : {"still", "close-up", "moving", "held out"}) {
+    for (const auto kind : {std::optional(FrameKind::StaticFull), std::optional(FrameKind::StaticCloseup),
+                            std::optional(FrameKind::Dynamic), std::optional<FrameKind>()}) {
         CameraErrorRow row;
         row.kind = kind;
         std::vector<double> eyes, turns, px;
@@ -77,9 +78,9 @@ std::string describeCameraErrors(const CameraErrors& errors) {
     text +=
         "kind        frames missing   eye mm: median   90 %  worst   turn deg: median   90 %  worst   on the person px: median   90 %\n";
     for (const CameraErrorRow& row : errors.rows) {
-        std::snprintf(line, sizeof line, "%-10s %7zu %7zu %16.2f %6.2f %6.2f %18.3f %6.3f %6.3f %25.2f %6.2f\n", row.kind.c_str(),
-                      row.frames, row.missing, row.eyeMmMedian, row.eyeMmP90, row.eyeMmWorst, row.turnDegMedian, row.turnDegP90,
-                      row.turnDegWorst, row.pxMedian, row.pxP90);
+        std::snprintf(line, sizeof line, "%-10s %7zu %7zu %16.2f %6.2f %6.2f %18.3f %6.3f %6.3f %25.2f %6.2f\n",
+                      row.kind ? shortKindName(*row.kind) : "held out", row.frames, row.missing, row.eyeMmMedian, row.eyeMmP90,
+                      row.eyeMmWorst, row.turnDegMedian, row.turnDegP90, row.turnDegWorst, row.pxMedian, row.pxP90);
         text += line;
     }
     return text;

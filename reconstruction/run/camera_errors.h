@@ -2,6 +2,7 @@
 // How far the cameras of a scan are from the true ones (docs/reference/cameras.md).
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -11,7 +12,7 @@ namespace dpl {
 
 /** Errors of the frames of one kind, after one similarity that aligns the full-body still frames of training for all kinds. */
 struct CameraErrorRow {
-    std::string kind;  // "still", "close-up", "moving", "held out"
+    std::optional<FrameKind> kind;  // of training frames; none: all held-out frames
     size_t frames = 0, missing = 0;
     double eyeMmMedian = 0, eyeMmP90 = 0, eyeMmWorst = 0;
     double turnDegMedian = 0, turnDegP90 = 0, turnDegWorst = 0;

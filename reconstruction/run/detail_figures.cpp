@@ -48,7 +48,7 @@ Status addDetailFigures(const Scan& scan, Progress& progress, AvatarView& view, 
                                       ? truth->rgba
                                       : areaAveraged(truth->rgba, truth->widthPx, truth->heightPx, camera.widthPx, camera.heightPx);
             const FramePose& found = poses.frames[heldOut.rows[i]];
-            DPL_TRY(const auto drawn, view.draw(found.fittedPose ? *found.fittedPose : found.pose, camera));
+            DPL_TRY(const auto drawn, view.draw(found.bestPose(), camera));
             const auto score = [&](std::span<const uint8_t> chosen) {
                 return detailCorrelation(drawn, expected, camera.widthPx, camera.heightPx, chosen);
             };

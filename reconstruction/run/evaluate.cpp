@@ -22,7 +22,7 @@ Result<std::string> publishedLine(const Scan& scan, const FrameSet& heldOut, Ava
         const TrainFrame& frame = heldOut.frames[i];
         if (!tell(double(i) / double(heldOut.frames.size()), frame.name + ", published protocol")) return fail(Code::Cancelled, "stopped");
         const FramePose& found = poses.frames[heldOut.rows[i]];
-        DPL_TRY(const auto rgba, view.draw(found.fittedPose ? *found.fittedPose : found.pose, frame.camera));
+        DPL_TRY(const auto rgba, view.draw(found.bestPose(), frame.camera));
         auto score = scoreAsPublished(rgba, frame.picture->image, frame.picture->mask, lpips);
         if (!score) return fail(score.error().code, "frame '{}': {}", frame.name, score.error().message);
         scores.push_back(*score);

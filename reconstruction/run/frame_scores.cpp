@@ -30,10 +30,10 @@ Result<std::vector<HeldOutFrame>> scoreFrames(const LabelColours& labelColours, 
         const ImageRgb8& image = frame.picture->image;
         const ImageGrey8 &mask = frame.picture->mask, &labels = frame.picture->labels;
         const FramePose& found = poses.frames[set.rows[i]];
-        const Pose& fitted = found.fittedPose ? *found.fittedPose : found.pose;
+        const Pose& fitted = found.bestPose();
         HeldOutFrame out;
         out.name = frame.name;
-        out.kind = frame.kind == FrameKind::Dynamic ? "dynamic" : frame.kind == FrameKind::StaticCloseup ? "close-up" : "static";
+        out.kind = frame.kind;
         DPL_TRY(auto plain, view.draw(found.pose, frame.camera));
         DPL_TRY(auto best, view.draw(fitted, frame.camera));
         out.withoutPoseFit = scorePicture(plain, image, mask);
@@ -55,11 +55,11 @@ Result<std::vector<HeldOutFrame>> scoreFrames(const LabelColours& labelColours, 
 
 std::string scoreLines(const std::vector<HeldOutFrame>& frames, const char* what) {
     std::string text;
-    for (const char* kind : {"static", "close-up", "dynamic"})
+    for (const FrameKind kind : {FrameKind::StaticFull, FrameKind::StaticCloseup, FrameKind::Dynamic})
         if (auto mean = meanScore(frames, kind, &HeldOutFrame::withPoseFit)) {
             char line[160];
             std::snprintf(line, sizeof line, "\n%s %-8s  masked PSNR %.2f dB, alpha IoU %.4f, SSIM %.4f (pose fitted; without: %.2f dB)",
-                          what, kind, mean->maskedPsnrDb, mean->alphaIou, mean->maskedSsim,
+                          what, shortKindName(kind), mean->maskedPsnrDb, mean->alphaIou, mean->maskedSsim,
                           meanScore(frames, kind, &HeldOutFrame::withoutPoseFit)->maskedPsnrDb);
             text += line;
         }

@@ -3,14 +3,6 @@
 
 namespace dpl {
 
-const char* frameKindName(FrameKind kind) {
-    return kind == FrameKind::Dynamic ? "dynamic" : kind == FrameKind::StaticCloseup ? "static_closeup" : "static_full";
-}
-
-const char* splitName(Split split) {
-    return split == Split::Test ? "test" : split == Split::Validation ? "validation" : "train";
-}
-
 Result<TrainFrame> FrameTable::frame(size_t row, const Camerad& camera, const Pose& pose) const {
     TrainFrame out{scan.frames[row].name, scan.frames[row].kind, camera, pose, nullptr, nullptr};
     DPL_TRY(out.picture, picture(row));

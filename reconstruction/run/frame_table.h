@@ -70,11 +70,6 @@ struct FrameTable {
     std::vector<size_t> silhouetteRows() const;
 };
 
-/** The kind's name in scan.json and poses.json. */
-const char* frameKindName(FrameKind kind);
-/** The split's name there. */
-const char* splitName(Split split);
-
 /** Sets TrainFrame::precision. precisions: one a row. */
 void setPrecisions(FrameSet& set, std::span<const std::shared_ptr<const PosePrecision>> precisions);
 

@@ -18,10 +18,6 @@ constexpr double kMaxWidthPx = 960;
 constexpr double kMargin = 0.04;   // of the longer side, beyond the mesh, whose splats reach past it
 constexpr double kNearestM = 0.1;  // a vertex nearer than this, or behind the camera, has no useful place in the picture
 
-const Pose& poseOf(const FramePose& frame) {
-    return frame.fittedPose ? *frame.fittedPose : frame.pose;
-}
-
 /** Cosine between where the trunk faces (+Z at rest) and where the eye is. */
 double facing(std::span<const JointData> joints, const Pose& pose, const Camerad& camera) {
     std::vector<Mat3x4f> worldFromRest;
@@ -73,13 +69,13 @@ Result<Portrait> drawPortrait(const Scan& scan, std::span<const Camerad> cameras
     for (size_t f = 0; f < scan.frames.size(); ++f) {
         const FrameKind kind = scan.frames[f].kind;
         const double worse = kind == FrameKind::StaticFull ? 0 : kind == FrameKind::Dynamic ? 10 : 20;
-        order.emplace_back(worse - facing(avatar.joints, poseOf(poses.frames[f]), cameras[f]), f);
+        order.emplace_back(worse - facing(avatar.joints, poses.frames[f].bestPose(), cameras[f]), f);
     }
     std::sort(order.begin(), order.end());
     const std::vector<RestTriangle<float>> bind = restTriangles(avatar.mesh);
     PosedMesh posed;
     for (const auto& [worse, f] : order) {
-        const Pose& pose = poseOf(poses.frames[f]);
+        const Pose& pose = poses.frames[f].bestPose();
         posed.pose({avatar.joints, avatar.mesh, avatar.correctives, bind}, pose, jobs);
         const std::optional<Camerad> camera = framed(upright(cameras[f], Vec3d(posed.worldFromRest()[0][1])), posed.positions());
         if (!camera) continue;

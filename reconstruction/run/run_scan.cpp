@@ -49,7 +49,7 @@ Result<RunScan> readRunScan(const std::filesystem::path& folder, const std::file
         if (found == all.frames.end())
             return fail(Code::NotFound, "{} has no pose for frame {}; name the poses.json of this scan with --poses", posesPath.string(),
                         frame.name);
-        if (found->split == "validation" && frame.split == Split::Train) frame.split = Split::Validation;
+        if (found->split == Split::Validation && frame.split == Split::Train) frame.split = Split::Validation;
         run.cameras.push_back(metricCamera(frame.camera, run.scan.metricWorld ? 1 : all.metresPerUnit));
         run.poses.frames.push_back(*found);
     }

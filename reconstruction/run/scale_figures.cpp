@@ -40,7 +40,7 @@ Status addScaleFigures(const std::filesystem::path& scan, Progress& progress, Av
             for (size_t s = 0; s < std::size(kScales); ++s) {
                 const Camerad camera = frame.camera.scaled(kScales[s]);
                 if (double(camera.widthPx) * camera.heightPx > kMaxPixels || camera.widthPx == 0 || camera.heightPx == 0) continue;
-                DPL_TRY(auto picture, view.draw(found.fittedPose ? *found.fittedPose : found.pose, camera));
+                DPL_TRY(auto picture, view.draw(found.bestPose(), camera));
                 for (size_t c = 0; c < std::size(kComparedAt); ++c) {
                     if (kScales[s] < kComparedAt[c]) continue;
                     const Camerad compared = frame.camera.scaled(kComparedAt[c]);

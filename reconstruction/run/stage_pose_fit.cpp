@@ -62,7 +62,7 @@ Status StageOf<FoundPoses>::make(StageInputs& in, StageContext& context) {
     for (const ScanFrame& frame : scan.frames) untrained += frame.split != Split::Train;
     for (size_t row = 0; row < table->rows(); ++row) {
         const ScanFrame& frame = scan.frames[row];
-        FramePose entry{frame.name, frameKindName(frame.kind), splitName(frame.split), registered->poses[row], std::nullopt};
+        FramePose entry{frame.name, frame.kind, frame.split, registered->poses[row], std::nullopt};
         if (frame.split == Split::Train) {
             if (trained[row]) entry.pose = *trained[row];
         } else {

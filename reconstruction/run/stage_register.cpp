@@ -99,7 +99,7 @@ Status StageOf<RegisteredPoses>::make(StageInputs& in, StageContext& context) {
     for (const JointData& joint : body->shaped.joints) file.jointNames.push_back(joint.name);
     for (size_t f = 0; f < scan.frames.size(); ++f) {
         const ScanFrame& frame = scan.frames[f];
-        file.frames.push_back({frame.name, frameKindName(frame.kind), splitName(frame.split), registration.poses[f], std::nullopt});
+        file.frames.push_back({frame.name, frame.kind, frame.split, registration.poses[f], std::nullopt});
     }
     DPL_RETURN_IF_ERROR(writePrecisions(registration.precisions, context.folder / "precisions.bin"));
     return writeFileAtomically(context.folder / "poses.json", posesToJson(file));

@@ -48,8 +48,7 @@ void addTruth(const TruthComparison& truth, const std::string& after, ReportData
  *  written, so the truth cannot affect it. */
 void addRegistration(const Scan& scan, const FittedBody& body, const PosesFile& poses, ReportData& data) {
     for (const KindResidual& r : body.fit.residuals) {
-        const std::string kind = r.kind == FrameKind::Dynamic ? "dynamic" : r.kind == FrameKind::StaticFull ? "static" : "close-up";
-        const std::string group = "keypoint residual, " + kind +
+        const std::string group = std::string("keypoint residual, ") + shortKindName(r.kind) +
                                   (r.split == Split::Test         ? ", held out"
                                    : r.split == Split::Validation ? ", validation"
                                                                   : ", training");
@@ -67,22 +66,22 @@ void addRegistration(const Scan& scan, const FittedBody& body, const PosesFile& 
     if (!afterFit || afterFit->keypointsMm.count == 0) return;
     addTruth(*afterFit, "after the body fit", data);
     BodyFit final = body.fit;
-    for (size_t f = 0; f < final.poses.size(); ++f)
-        final.poses[f] = poses.frames[f].fittedPose ? *poses.frames[f].fittedPose : poses.frames[f].pose;
+    for (size_t f = 0; f < final.poses.size(); ++f) final.poses[f] = poses.frames[f].bestPose();
     if (const auto afterPoseFit = compareWithTruth(scan.root, scan, body.shaped, final))
         addTruth(*afterPoseFit, "after training and pose fit", data);
 }
 
 /** Adds the gain of pose fit and of splats, the two steps that the report measures both with and without. */
 void addWaterfall(ReportData& data) {
-    for (const char* kind : {"static", "dynamic"}) {
+    for (const FrameKind kind : {FrameKind::StaticFull, FrameKind::Dynamic}) {
         const auto with = meanScore(data.frames, kind, &HeldOutFrame::withPoseFit),
                    without = meanScore(data.frames, kind, &HeldOutFrame::withoutPoseFit);
         const auto mesh = meanScore(data.frames, kind, &HeldOutFrame::meshFloor);
         if (!with) continue;
+        data.waterfall.push_back({shortKindName(kind), "registration of held-out frames (pose fit on against off)", "dB",
+                                  with->maskedPsnrDb - without->maskedPsnrDb});
         data.waterfall.push_back(
-            {kind, "registration of held-out frames (pose fit on against off)", "dB", with->maskedPsnrDb - without->maskedPsnrDb});
-        data.waterfall.push_back({kind, "splats over the same mesh with vertex colours", "dB", with->maskedPsnrDb - mesh->maskedPsnrDb});
+            {shortKindName(kind), "splats over the same mesh with vertex colours", "dB", with->maskedPsnrDb - mesh->maskedPsnrDb});
     }
 }
 
@@ -93,7 +92,7 @@ void addGarments(ReportData& data) {
         for (size_t g = 0; g < row.cells.size(); ++g) {
             const LadderGroup& group = data.ladder->groups[g];
             const GarmentCell& cell = row.cells[g];
-            if (row.poses != "true" || group.kind != "dynamic" || group.split != "test" || !(cell.plainMm > 0)) continue;
+            if (row.poses != "true" || group.kind != FrameKind::Dynamic || group.split != Split::Test || !(cell.plainMm > 0)) continue;
             data.figures.push_back(
                 {"garments against the truth, held-out dynamic frames, true poses", row.garment + ", distance", "mm", cell.correctedMm});
             data.figures.push_back({data.figures.back().group, row.garment + ", distance over that under plain LBS", "",

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <map>
 #include <set>
+#include <span>
 
 #include "reconstruction/base/image_file.h"
 #include "reconstruction/input/capture/scan_readers.h"
@@ -11,6 +12,17 @@ namespace dpl {
 namespace fs = std::filesystem;
 
 namespace {
+
+constexpr const char* kKindNames[] = {"static_full", "static_closeup", "dynamic"};
+constexpr const char* kShortKindNames[] = {"static", "close-up", "dynamic"};
+constexpr const char* kSplitNames[] = {"train", "validation", "test"};
+
+template <class Enum>
+std::optional<Enum> named(std::span<const char* const> names, std::string_view name) {
+    const auto found = std::find(names.begin(), names.end(), name);
+    if (found == names.end()) return std::nullopt;
+    return Enum(found - names.begin());
+}
 
 Status checkSize(const fs::path& path, const Camerad& camera, const ScanFrame& frame) {
     DPL_TRY(const ImageHeader header, probeImage(path));
@@ -63,6 +75,26 @@ void numberEqualNames(std::vector<ScanFrame>& frames) {
                 break;
             }
     }
+}
+
+const char* frameKindName(FrameKind kind) {
+    return kKindNames[size_t(kind)];
+}
+
+const char* shortKindName(FrameKind kind) {
+    return kShortKindNames[size_t(kind)];
+}
+
+const char* splitName(Split split) {
+    return kSplitNames[size_t(split)];
+}
+
+std::optional<FrameKind> frameKindNamed(std::string_view name) {
+    return named<FrameKind>(kKindNames, name);
+}
+
+std::optional<Split> splitNamed(std::string_view name) {
+    return named<Split>(kSplitNames, name);
 }
 
 Status finishScan(Scan& scan) {

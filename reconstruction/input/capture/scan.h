@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "reconstruction/input/cameras/camera_check.h"
@@ -16,6 +17,15 @@ namespace dpl {
 
 enum class FrameKind : uint8_t { StaticFull, StaticCloseup, Dynamic };
 enum class Split : uint8_t { Train, Validation, Test };  // in the order in which they are posed; files state train or test (validation.h)
+
+/** The names in scan.json and poses.json: static_full, static_closeup, dynamic; train, validation, test. */
+const char* frameKindName(FrameKind kind);
+const char* splitName(Split split);
+std::optional<FrameKind> frameKindNamed(std::string_view name);
+std::optional<Split> splitNamed(std::string_view name);
+
+/** The kind in reports: "static", "close-up" or "dynamic". */
+const char* shortKindName(FrameKind kind);
 
 struct ScanLabel {
     std::string name;  // "background", "body", "top", "bottom", "hair", "shoes"

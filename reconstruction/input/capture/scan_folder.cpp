@@ -18,9 +18,7 @@ using nlohmann::json;
 namespace {
 
 Result<FrameKind> frameKind(const std::string& text, const std::string& where) {
-    if (text == "static_full") return FrameKind::StaticFull;
-    if (text == "static_closeup") return FrameKind::StaticCloseup;
-    if (text == "dynamic") return FrameKind::Dynamic;
+    if (const auto kind = frameKindNamed(text)) return *kind;
     return fail(Code::CorruptData, "{}: kind '{}' is not one of static_full, static_closeup, dynamic; correct it", where,
                 text.substr(0, 60));
 }
@@ -118,9 +116,10 @@ Result<ScanFrame> readFrame(const json& entry, const Common& common, const std::
     if (fields.has("split")) {
         splitStated = true;
         DPL_TRY(const std::string split, fields.text("split"));
-        if (split != "train" && split != "test")
+        const auto stated = splitNamed(split);
+        if (stated != Split::Train && stated != Split::Test)
             return fail(Code::CorruptData, "{}: split '{}' is neither train nor test; correct it", here, split.substr(0, 60));
-        frame.split = split == "test" ? Split::Test : Split::Train;
+        frame.split = *stated;
     }
     const auto path = [&](const char* key, bool needed, fs::path& out) -> Status {
         if (!needed && !fields.has(key)) return {};

@@ -128,7 +128,7 @@ public:
         files_.clear();
         DPL_TRY(const auto bytes, readCompleteImage(picture.image));
         const Turn turn = turnOf(capture_, picture, bytes);
-        entry_ = {{"name", picture.name}, {"kind", kindName(picture.kind)}};
+        entry_ = {{"name", picture.name}, {"kind", frameKindName(picture.kind)}};
         DPL_RETURN_IF_ERROR(preparePicture(picture, bytes, turn));
         if (!picture.mask.empty()) DPL_RETURN_IF_ERROR(prepareMask(picture, turn));
         if (!picture.keypoints.empty()) DPL_RETURN_IF_ERROR(prepareKeypoints(picture, turn));
@@ -168,10 +168,6 @@ public:
     }
 
 private:
-    static const char* kindName(FrameKind kind) {
-        return kind == FrameKind::StaticFull ? "static_full" : kind == FrameKind::StaticCloseup ? "static_closeup" : "dynamic";
-    }
-
     Status preparePicture(const CapturePicture& picture, const std::vector<uint8_t>& bytes, Turn turn) {
         const bool jpeg = isJpeg(bytes), alpha = hasAlpha(bytes) && picture.mask.empty();
         DPL_TRY(Picture stored,
@@ -311,7 +307,7 @@ Status writeScan(Capture& capture, const std::string& name, double heightM, cons
             continue;
         }
         DPL_TRY(json entry, writer.write());
-        if (capture.splitStated) entry["split"] = picture.split == Split::Test ? "test" : "train";
+        if (capture.splitStated) entry["split"] = splitName(picture.split);
         frames.push_back(std::move(entry));
         written.push_back(std::move(picture));
     }

@@ -30,8 +30,9 @@ constexpr double kBodyDistanceM = 0.02;  // a vertex this far from the true body
 constexpr const char* kGarmentPoses[] = {"fitted", "true"};  // rows of each garment
 
 /** The columns of the table. */
-constexpr std::pair<const char*, const char*> kGroups[] = {{"static", "train"},  {"static", "validation"},  {"static", "test"},
-                                                           {"dynamic", "train"}, {"dynamic", "validation"}, {"dynamic", "test"}};
+constexpr std::pair<FrameKind, Split> kGroups[] = {{FrameKind::StaticFull, Split::Train},   {FrameKind::StaticFull, Split::Validation},
+                                                   {FrameKind::StaticFull, Split::Test},    {FrameKind::Dynamic, Split::Train},
+                                                   {FrameKind::Dynamic, Split::Validation}, {FrameKind::Dynamic, Split::Test}};
 
 enum Rung : size_t {
     kRegistered,
@@ -124,7 +125,8 @@ public:
     Result<std::optional<Ladder>> run() {
         std::vector<size_t> stills;
         for (size_t f = 0; f < truth_.frames.size(); ++f)
-            if (truth_.frames[f].known && in_.scan.frames[f].kind == FrameKind::StaticFull && splitOf(f) == "train") stills.push_back(f);
+            if (truth_.frames[f].known && in_.scan.frames[f].kind == FrameKind::StaticFull && splitOf(f) == Split::Train)
+                stills.push_back(f);
         if (stills.empty()) return std::optional<Ladder>();
         DPL_RETURN_IF_ERROR(gatherFloors());
         bind(evenlySpaced(stills, kStillFrames), stills);
@@ -151,7 +153,7 @@ public:
     }
 
 private:
-    const std::string& splitOf(size_t f) const { return in_.poses.frames[f].split; }
+    Split splitOf(size_t f) const { return in_.poses.frames[f].split; }
 
     Status tell(double share, const std::string& what) const {
         if (in_.progress && !in_.progress(share, what)) return fail(Code::Cancelled, "stopped");
@@ -163,15 +165,13 @@ private:
         std::vector<std::pair<size_t, size_t>> chosen;
         for (size_t g = 0; g < std::size(kGroups); ++g) {
             std::vector<size_t> all;
-            const bool dynamic = std::string_view(kGroups[g].first) == "dynamic";
+            const auto [kind, split] = kGroups[g];
             for (size_t f = 0; f < truth_.frames.size(); ++f) {
-                const FrameKind kind = in_.scan.frames[f].kind;
-                if (!truth_.frames[f].known || kind != (dynamic ? FrameKind::Dynamic : FrameKind::StaticFull)) continue;
-                if (dynamic && truth_.frames[f].posed.empty()) continue;
-                if (splitOf(f) == kGroups[g].second) all.push_back(f);
+                if (!truth_.frames[f].known || in_.scan.frames[f].kind != kind) continue;
+                if (kind == FrameKind::Dynamic && truth_.frames[f].posed.empty()) continue;
+                if (splitOf(f) == split) all.push_back(f);
             }
-            const bool train = std::string_view(kGroups[g].second) == "train";
-            for (size_t f : evenlySpaced(all, train ? kTrainFrames : all.size())) chosen.push_back({f, g});
+            for (size_t f : evenlySpaced(all, split == Split::Train ? kTrainFrames : all.size())) chosen.push_back({f, g});
         }
         return chosen;
     }
@@ -180,7 +180,7 @@ private:
     Status gatherFloors() {
         for (size_t f = 0; f < truth_.frames.size(); ++f) {
             const ScanFrame& frame = in_.scan.frames[f];
-            if (splitOf(f) != "train" || frame.kind == FrameKind::StaticCloseup) continue;
+            if (splitOf(f) != Split::Train || frame.kind == FrameKind::StaticCloseup) continue;
             DPL_RETURN_IF_ERROR(tell(0.15 * double(f) / double(truth_.frames.size()), frame.name));
             const auto picture = readFramePicture(frame);
             if (!picture) continue;  // the scan check reports it
@@ -267,7 +267,7 @@ private:
         add(kTrueSurfaceLight, withBestLight(best, image, mask), {});
         if (!labels.pixels.empty()) add(kFlatLabels, labels_.paint(mask, labels), {});
         add(kTrueMeshColours, paintMesh(*surface, shown_, colours_, camera), {});
-        measureGarments({found.fittedPose ? *found.fittedPose : found.pose, pose}, *surface, group, ladder);
+        measureGarments({found.bestPose(), pose}, *surface, group, ladder);
         return {};
     }
 

@@ -34,7 +34,7 @@ std::string rowName(const GarmentRow& row) {
 }
 
 std::string heading(const LadderGroup& group) {
-    return group.kind + " " + group.split + " (" + std::to_string(group.frames) + ")";
+    return std::string(shortKindName(group.kind)) + " " + splitName(group.split) + " (" + std::to_string(group.frames) + ")";
 }
 
 std::string padded(const std::string& text, size_t width) {
@@ -96,7 +96,7 @@ nlohmann::ordered_json ladderJson(const Ladder& ladder) {
         for (size_t g = 0; g < ladder.groups.size(); ++g) {
             const LadderCell& cell = rung.cells[g];
             if (cell.frames == 0) continue;
-            auto& entry = row[ladder.groups[g].kind][ladder.groups[g].split];
+            auto& entry = row[shortKindName(ladder.groups[g].kind)][splitName(ladder.groups[g].split)];
             entry = {{"frames", cell.frames}, {"masked_psnr_db", cell.maskedPsnrDb}};
             if (cell.surfaceMm) entry["surface_mm"] = *cell.surfaceMm;
         }
@@ -111,7 +111,7 @@ nlohmann::ordered_json garmentsJson(const Ladder& ladder) {
         nlohmann::ordered_json row = {{"garment", garment.garment}, {"poses", garment.poses}};
         for (size_t g = 0; g < ladder.groups.size(); ++g)
             if (const GarmentCell& cell = garment.cells[g]; cell.frames > 0)
-                row[ladder.groups[g].kind][ladder.groups[g].split] = {
+                row[shortKindName(ladder.groups[g].kind)][splitName(ladder.groups[g].split)] = {
                     {"frames", cell.frames}, {"corrected_mm", cell.correctedMm}, {"plain_mm", cell.plainMm}};
         rows.push_back(std::move(row));
     }

@@ -8,6 +8,8 @@
 #include <string>
 #include <vector>
 
+#include "reconstruction/input/capture/scan.h"
+
 namespace dpl {
 
 /** Mean scores of one rung of the ladder over one group of frames. */
@@ -37,9 +39,10 @@ struct GarmentRow {
     std::vector<GarmentCell> cells;  // one a group
 };
 
-/** Frames of one kind ("static", "dynamic") and split ("train", "validation", "test"). */
+/** Frames of one kind and split. */
 struct LadderGroup {
-    std::string kind, split;
+    FrameKind kind = FrameKind::StaticFull;
+    Split split = Split::Train;
     size_t frames = 0;
 };
 

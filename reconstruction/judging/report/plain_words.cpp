@@ -49,7 +49,8 @@ std::string verdictSentence(const ReportData& data) {
         std::string when, words;
     };
     std::vector<Said> said;
-    for (const auto& [kind, when] : {std::pair{"static", "standing still"}, {"dynamic", "moving"}, {"close-up", "from near"}}) {
+    for (const auto& [kind, when] :
+         {std::pair{FrameKind::StaticFull, "standing still"}, {FrameKind::Dynamic, "moving"}, {FrameKind::StaticCloseup, "from near"}}) {
         const auto mean = meanScore(judges, kind, &HeldOutFrame::withPoseFit);
         if (!mean) continue;
         const std::string words = likenessOf(mean->maskedPsnrDb);

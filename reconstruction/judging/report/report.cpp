@@ -42,13 +42,13 @@ bool meetsBar(const ReportFigure& f) {
 std::vector<ReportFigure> floorFigures(const std::vector<HeldOutFrame>& frames) {
     constexpr double kAboveFloorsDb = 4;
     std::vector<ReportFigure> figures;
-    for (const char* kind : {"static", "dynamic"}) {
+    for (const FrameKind kind : {FrameKind::StaticFull, FrameKind::Dynamic}) {
         const auto avatar = meanScore(frames, kind, &HeldOutFrame::withPoseFit);
         if (!avatar) continue;
         const double floor = std::max(meanScore(frames, kind, &HeldOutFrame::labelFloor)->maskedPsnrDb,
                                       meanScore(frames, kind, &HeldOutFrame::meshFloor)->maskedPsnrDb);
-        figures.push_back({"masked PSNR above the better floor", std::string("held-out ") + kind, "dB", avatar->maskedPsnrDb - floor,
-                           ReportBar{kAboveFloorsDb, true}});
+        figures.push_back({"masked PSNR above the better floor", std::string("held-out ") + shortKindName(kind), "dB",
+                           avatar->maskedPsnrDb - floor, ReportBar{kAboveFloorsDb, true}});
     }
     return figures;
 }
@@ -71,7 +71,7 @@ std::string barSummary(const ReportData& data) {
     return bars ? std::to_string(met) + " of " + std::to_string(bars) + " bars met" + missed : "";
 }
 
-std::optional<FrameScore> meanScore(const std::vector<HeldOutFrame>& frames, const std::string& kind, FrameScore HeldOutFrame::*which) {
+std::optional<FrameScore> meanScore(const std::vector<HeldOutFrame>& frames, FrameKind kind, FrameScore HeldOutFrame::*which) {
     FrameScore sum;
     size_t count = 0;
     for (const HeldOutFrame& frame : frames) {
@@ -106,13 +106,13 @@ std::string reportJson(const ReportData& data) {
                                                                           {"without_pose_fit", &HeldOutFrame::withoutPoseFit},
                                                                           {"floor_flat_labels", &HeldOutFrame::labelFloor},
                                                                           {"floor_vertex_colours", &HeldOutFrame::meshFloor}};
-    for (const char* kind : {"static", "dynamic"})
+    for (const FrameKind kind : {FrameKind::StaticFull, FrameKind::Dynamic})
         for (const auto& [name, member] : columns)
-            if (auto mean = meanScore(data.frames, kind, member)) out["means"][kind][name] = scoreJson(*mean);
+            if (auto mean = meanScore(data.frames, kind, member)) out["means"][shortKindName(kind)][name] = scoreJson(*mean);
     for (const auto& [key, frames] : {std::pair{"frames", &data.frames}, {"validation_frames", &data.validation}}) {
         out[key] = ordered_json::array();
         for (const HeldOutFrame& frame : *frames) {
-            ordered_json entry = {{"name", frame.name}, {"kind", frame.kind}};
+            ordered_json entry = {{"name", frame.name}, {"kind", shortKindName(frame.kind)}};
             for (const auto& [name, member] : columns) entry[name] = scoreJson(frame.*member);
             out[key].push_back(std::move(entry));
         }

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "reconstruction/input/capture/scan.h"
 #include "reconstruction/judging/report/ladder_table.h"
 #include "reconstruction/judging/report/svg_plot.h"
 #include "sdk/core/result.h"
@@ -27,7 +28,7 @@ struct FrameScore {
 /** Scores and pictures of one held-out frame. */
 struct HeldOutFrame {
     std::string name;
-    std::string kind;  // "static" (full body), "close-up" or "dynamic"
+    FrameKind kind = FrameKind::StaticFull;
     FrameScore withoutPoseFit, withPoseFit;
     FrameScore labelFloor, meshFloor;  // baselines: one colour a label inside the frame's mask; posed mesh with vertex colours
     std::vector<uint8_t> truthPng, renderPng, differencePng;  // for report.html; may be empty
@@ -102,7 +103,7 @@ struct ReportData {
 };
 
 /** Mean over the frames of a kind; nullopt when there are none. */
-std::optional<FrameScore> meanScore(const std::vector<HeldOutFrame>& frames, const std::string& kind, FrameScore HeldOutFrame::*which);
+std::optional<FrameScore> meanScore(const std::vector<HeldOutFrame>& frames, FrameKind kind, FrameScore HeldOutFrame::*which);
 
 /** dB by which the avatar scores above the better of its two floors, one figure a kind of frame. The bar is 4 dB: below it the splats add
  *  little to flat colours in the true outline or to a painted mesh. */

@@ -73,12 +73,12 @@ std::string barCells(const ReportFigure& f) {
 }
 
 void addScores(std::string& html, const ReportData& data) {
-    for (const char* kind : {"static", "dynamic"}) {
+    for (const FrameKind kind : {FrameKind::StaticFull, FrameKind::Dynamic}) {
         const auto fitted = meanScore(data.frames, kind, &HeldOutFrame::withPoseFit);
         if (!fitted) continue;
         size_t count = 0;
         for (const HeldOutFrame& frame : data.frames) count += frame.kind == kind;
-        html += "<h3>Held-out " + std::string(kind) + " frames (" + std::to_string(count) + ")</h3><div class=big><div><b>" +
+        html += "<h3>Held-out " + std::string(shortKindName(kind)) + " frames (" + std::to_string(count) + ")</h3><div class=big><div><b>" +
                 fixed(fitted->maskedPsnrDb, 2) + " dB</b>masked PSNR</div><div><b>" + fixed(fitted->alphaIou, 4) +
                 "</b>alpha IoU</div><div><b>" + fixed(fitted->maskedSsim, 4) + "</b>masked SSIM</div></div>" + kTableBegin +
                 "<tr><th>mean of</th><th>masked PSNR dB</th><th>masked SSIM</th><th>alpha "

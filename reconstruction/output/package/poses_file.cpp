@@ -56,7 +56,8 @@ std::string posesToJson(const PosesFile& poses) {
     out["frames"] = ordered_json::array();
     if (poses.metresPerUnit > 0) out["metres_per_unit"] = poses.metresPerUnit;
     for (const FramePose& frame : poses.frames) {
-        ordered_json entry = {{"name", frame.name}, {"kind", frame.kind}, {"split", frame.split}, {"pose", poseJson(frame.pose)}};
+        ordered_json entry = {
+            {"name", frame.name}, {"kind", frameKindName(frame.kind)}, {"split", splitName(frame.split)}, {"pose", poseJson(frame.pose)}};
         if (frame.fittedPose) entry["fitted_pose"] = poseJson(*frame.fittedPose);
         out["frames"].push_back(std::move(entry));
     }
@@ -102,8 +103,11 @@ Result<PosesFile> readPosesFile(const std::filesystem::path& path) {
         const auto text = [&](const char* key) {
             return entry.contains(key) && entry[key].is_string() ? entry[key].get<std::string>() : std::string();
         };
-        frame.kind = text("kind");
-        frame.split = text("split");
+        const auto kind = frameKindNamed(text("kind"));
+        const auto split = splitNamed(text("split"));
+        if (!kind) return bad("frame " + frame.name + ": kind is not static_full, static_closeup or dynamic");
+        if (!split) return bad("frame " + frame.name + ": split is not train, validation or test");
+        frame.kind = *kind, frame.split = *split;
         auto pose = readPose(entry["pose"], out.jointNames.size());
         if (!pose) return bad("frame " + frame.name + ": " + pose.error().message);
         frame.pose = std::move(*pose);

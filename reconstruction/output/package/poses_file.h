@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "reconstruction/input/capture/scan.h"
 #include "sdk/avatar/rig.h"
 #include "sdk/core/result.h"
 #include "sdk/format/avatar_data.h"
@@ -15,9 +16,14 @@
 namespace dpl {
 
 struct FramePose {
-    std::string name, kind, split;   // as in scan.json: kind static_full, static_closeup or dynamic; split train, validation or test
+    std::string name;
+    FrameKind kind = FrameKind::StaticFull;
+    Split split = Split::Train;
     Pose pose;                       // of training frames after training, of others after registration
     std::optional<Pose> fittedPose;  // of validation and held-out frames, after the test-time pose fit
+
+    /** The fitted pose, or the other where there is none. */
+    const Pose& bestPose() const { return fittedPose ? *fittedPose : pose; }
 };
 
 struct PosesFile {

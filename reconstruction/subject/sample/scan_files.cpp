@@ -90,15 +90,15 @@ std::string scanJson(const Subject& subject, const std::vector<PlannedFrame>& fr
         const PlannedFrame& f = frames[i];
         Json entry{{"id", i},
                    {"name", f.name},
-                   {"kind", f.kind},
-                   {"split", f.split},
+                   {"kind", frameKindName(f.kind)},
+                   {"split", splitName(f.split)},
                    {"image", "images/" + f.name + ".jpg"},
                    {"mask", "masks/" + f.name + ".png"},
                    {"labels", "labels/" + f.name + ".png"},
                    {"keypoints", "keypoints/" + f.name + ".json"},
                    {"camera", cameraJson(f.camera)}};
         if (!f.closeupOf.empty()) entry["closeup_of"] = f.closeupOf;
-        if (f.kind == "dynamic") entry["time"] = rounded(f.timeS, 1e6);
+        if (f.kind == FrameKind::Dynamic) entry["time"] = rounded(f.timeS, 1e6);
         list.push_back(std::move(entry));
     }
     j["frames"] = std::move(list);

@@ -58,8 +58,8 @@ std::vector<PlannedFrame> planScan(const Subject& subject, const SampleScanOptio
         const Vec3d eye(distance * std::sin(azimuth), height * top / 1.78 + random.uniform(-0.05, 0.05), distance * std::cos(azimuth));
         PlannedFrame f;
         f.name = numbered("full", i);
-        f.kind = "static_full";
-        f.split = i % 10 == 5 ? "test" : "train";
+        f.kind = FrameKind::StaticFull;
+        f.split = i % 10 == 5 ? Split::Test : Split::Train;
         f.camera = cameraAt(o, eye, middle + Vec3d(random.uniform(-0.03, 0.03), random.uniform(-0.03, 0.03), random.uniform(-0.03, 0.03)),
                             random.uniform(-0.02, 0.02));
         f.pose = staticPose(o.seed, i);
@@ -90,8 +90,7 @@ std::vector<PlannedFrame> planScan(const Subject& subject, const SampleScanOptio
         const Vec3d eye = v.target + distance * Vec3d(std::sin(azimuth), v.lift + random.uniform(-0.06, 0.06), std::cos(azimuth));
         PlannedFrame f;
         f.name = numbered("close", i);
-        f.kind = "static_closeup";
-        f.split = "train";
+        f.kind = FrameKind::StaticCloseup;
         f.closeupOf = v.of;
         f.camera = cameraAt(o, eye, v.target, random.uniform(-0.03, 0.03));
         f.pose = staticPose(o.seed, 1000 + i);
@@ -103,21 +102,21 @@ std::vector<PlannedFrame> planScan(const Subject& subject, const SampleScanOptio
     for (uint32_t i = 0; i < o.dynamicFrames; ++i) {
         PlannedFrame f;
         f.name = numbered("dyn", i);
-        f.kind = "dynamic";
-        f.split = i % 10 == 4 ? "test" : "train";
+        f.kind = FrameKind::Dynamic;
+        f.split = i % 10 == 4 ? Split::Test : Split::Train;
         f.timeS = o.dynamicS * (i + 1) / (o.dynamicFrames + 1);
         f.pose = motion.pose(f.timeS);
         f.lag = swing.at(f.timeS);
-        f.keepPosed = i % 3 == 0 || f.split == "test";
+        f.keepPosed = i % 3 == 0 || f.split == Split::Test;
         const double azimuth = kTau * 1.5 * i / std::max(1u, o.dynamicFrames) + random.uniform(-0.03, 0.03),
                      distance = 1.09 * reach * random.uniform(0.98, 1.04);
         const Vec3d eye(distance * std::sin(azimuth), (1.15 + 0.25 * std::sin(0.7 * f.timeS)) * top / 1.78, distance * std::cos(azimuth));
         f.camera = cameraAt(o, eye, middle + Vec3d(0, 0.10, 0), random.uniform(-0.02, 0.02));
         frames.push_back(std::move(f));
     }
-    for (const char* kind : {"static_full", "dynamic"})
+    for (const FrameKind kind : {FrameKind::StaticFull, FrameKind::Dynamic})
         if (const auto f =
-                std::find_if(frames.begin(), frames.end(), [&](const PlannedFrame& p) { return p.kind == kind && p.split == "test"; });
+                std::find_if(frames.begin(), frames.end(), [&](const PlannedFrame& p) { return p.kind == kind && p.split == Split::Test; });
             f != frames.end())
             f->keepFine = true;
     return frames;

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "reconstruction/input/capture/scan.h"
 #include "reconstruction/subject/sample/scan_writer.h"
 #include "reconstruction/subject/sample/subject.h"
 #include "sdk/math/camera.h"
@@ -12,7 +13,9 @@
 namespace dpl {
 
 struct PlannedFrame {
-    std::string name, kind, split, closeupOf;
+    std::string name, closeupOf;
+    FrameKind kind = FrameKind::StaticFull;
+    Split split = Split::Train;
     double timeS = 0;  // of dynamic frames
     Camerad camera;    // world +Y up
     TruthPose pose;

@@ -88,7 +88,7 @@ std::vector<SampleKeypoint> observe(const Subject& subject, const PersonTracer& 
 
 Status writeFrame(const fs::path& folder, const Subject& subject, const PlannedFrame& frame, size_t index, const SampleScanOptions& o,
                   PersonTracer& tracer, std::vector<Vec3d>& keypoints) {
-    const std::vector<Vec3d> vertices = poseSubject(subject, frame.pose, frame.kind == "dynamic" ? &frame.lag : nullptr);
+    const std::vector<Vec3d> vertices = poseSubject(subject, frame.pose, frame.kind == FrameKind::Dynamic ? &frame.lag : nullptr);
     keypoints = keypointsWorld(subject, frame.pose, vertices);
     tracer.setVertices(vertices);
     RaycastOptions ray;

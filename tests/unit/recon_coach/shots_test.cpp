@@ -29,7 +29,8 @@ Pose poseOf(const TruthPose& truth) {
 }
 
 struct Shown {
-    std::string kind, closeUpOf;
+    FrameKind kind = FrameKind::StaticFull;
+    std::string closeUpOf;
     double azimuthDeg = 0;
     Camerad camera;
     Pose pose;
@@ -64,7 +65,7 @@ protected:
     static std::vector<PosedPicture> pictures(const std::vector<Shown>& of, const std::function<bool(const Shown&)>& keep) {
         std::vector<PosedPicture> out;
         for (const Shown& s : of)
-            if (keep(s)) out.push_back({s.picture, s.camera, s.pose, s.kind == "static_closeup"});
+            if (keep(s)) out.push_back({s.picture, s.camera, s.pose, s.kind == FrameKind::StaticCloseup});
         return out;
     }
     static std::vector<SeenTriangle> mapOf(const std::vector<PosedPicture>& of) {
@@ -106,13 +107,13 @@ TEST_F(Coach, withoutCloseUpsOfTheHandsAsksForTheHands) {
 
 TEST_F(Coach, withoutTheLeftSideOfTheWalkAsksForIt) {
     const FilmAgain advice =
-        advise(pictures(stills_, [](const Shown& s) { return s.kind != "static_full" || std::abs(s.azimuthDeg - 90) > 65; }));
+        advise(pictures(stills_, [](const Shown& s) { return s.kind != FrameKind::StaticFull || std::abs(s.azimuthDeg - 90) > 65; }));
     ASSERT_FALSE(advice.shots.empty());
     EXPECT_EQ(advice.shots[0].key, "walk left") << told(advice);
 }
 
 TEST_F(Coach, withABlurredWalkAsksForTheWalkAgain) {
-    const std::vector<Shown> soft = blurred([](const Shown& s) { return s.kind == "static_full"; }, 3);
+    const std::vector<Shown> soft = blurred([](const Shown& s) { return s.kind == FrameKind::StaticFull; }, 3);
     const FilmAgain advice = advise(pictures(soft, all));
     ASSERT_FALSE(advice.shots.empty());
     EXPECT_EQ(advice.shots[0].key, "walk around") << told(advice);
@@ -140,7 +141,7 @@ TEST_F(Coach, aShotThatWasAskedForRaisesTheMapThereAndLowersItNowhere) {
     tracer.setVertices(poseSubject(*subject_, staticPose(1, 0), nullptr));
     for (const Camerad& camera : asked->cameras) {
         RaycastFrame drawn = tracer.render(camera, {.samplesPerPixel = 4, .seed = 99});
-        taken.push_back({"static_closeup",
+        taken.push_back({FrameKind::StaticCloseup,
                          "",
                          0,
                          camera,
@@ -179,8 +180,8 @@ std::vector<Shown> inWorld(std::vector<Shown> stills, const Vec3f& restOfRoot, c
 }
 
 TEST_F(Coach, adviceIsThePersonsInAnyWorld) {
-    const auto leftMissing = [](const Shown& s) { return s.kind != "static_full" || std::abs(s.azimuthDeg - 90) > 65; };
-    const auto farAndBare = [](const Shown& s) { return s.kind == "static_full"; };
+    const auto leftMissing = [](const Shown& s) { return s.kind != FrameKind::StaticFull || std::abs(s.azimuthDeg - 90) > 65; };
+    const auto farAndBare = [](const Shown& s) { return s.kind == FrameKind::StaticFull; };
     const Quatd turns[] = {glm::angleAxis(std::numbers::pi, Vec3d(1, 0, 0)), glm::angleAxis(0.5 * std::numbers::pi, Vec3d(1, 0, 0)),
                            glm::angleAxis(2.1, glm::normalize(Vec3d(0.3, -0.8, 0.5)))};
     for (const std::function<bool(const Shown&)>& keep : {std::function<bool(const Shown&)>(leftMissing), {farAndBare}}) {

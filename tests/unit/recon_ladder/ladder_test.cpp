@@ -17,7 +17,7 @@ protected:
         writeTruth(toy_);
         for (size_t f = 0; f < ToyReconstruction::kFrames; ++f) {
             const ScanFrame& frame = toy_.table.scan.frames[f];
-            poses_.frames.push_back({frame.name, "", frame.split == Split::Test ? "test" : "train", toy_.truth[f], std::nullopt});
+            poses_.frames.push_back({frame.name, frame.kind, frame.split, toy_.truth[f], std::nullopt});
         }
         bend(poses_.frames[kMoving].pose, 0.25f);
     }
@@ -25,7 +25,7 @@ protected:
         pose.localRotations[1] = pose.localRotations[1] * glm::angleAxis(angleRad, Vec3f(0, 0, 1));
     }
     /** The cell of a rung and a group. */
-    LadderCell cell(const std::string& rung, const std::string& kind, const std::string& split) {
+    LadderCell cell(const std::string& rung, FrameKind kind, Split split) {
         auto ladder = measureLadder({toy_.table.scan, toy_.metric.cameras, toy_.avatar, poses_, {}}, toy_.jobs);
         if (!ladder) throw std::runtime_error(ladder.error().message);
         for (const LadderRung& r : (*ladder)->rungs)
@@ -47,8 +47,8 @@ protected:
 };
 
 TEST_F(LadderTest, aWrongPoseCostsWhatTheTruePoseBringsBack) {
-    const LadderCell wrong = cell("as_is", "dynamic", "test"), truth = cell("true_poses", "dynamic", "test"),
-                     surface = cell("true_surface", "dynamic", "test");
+    const LadderCell wrong = cell("as_is", FrameKind::Dynamic, Split::Test), truth = cell("true_poses", FrameKind::Dynamic, Split::Test),
+                     surface = cell("true_surface", FrameKind::Dynamic, Split::Test);
     EXPECT_EQ(wrong.frames, 1u);
     EXPECT_GT(*wrong.surfaceMm, 20);
     EXPECT_LT(*truth.surfaceMm, 2) << "half of the ball is seen by no still frame, and there the true surface is only near";
@@ -58,7 +58,7 @@ TEST_F(LadderTest, aWrongPoseCostsWhatTheTruePoseBringsBack) {
 }
 
 TEST_F(LadderTest, asItIsAgreesWithThePublicRenderer) {
-    EXPECT_NEAR(cell("as_is", "dynamic", "test").maskedPsnrDb, shownDb(poses_.frames[kMoving].pose), 0.05);
+    EXPECT_NEAR(cell("as_is", FrameKind::Dynamic, Split::Test).maskedPsnrDb, shownDb(poses_.frames[kMoving].pose), 0.05);
 }
 
 TEST_F(LadderTest, aShapeThatTheRigCannotMakeShowsInTheSurfaceAlone) {
@@ -69,7 +69,8 @@ TEST_F(LadderTest, aShapeThatTheRigCannotMakeShowsInTheSurfaceAlone) {
     for (size_t f : {size_t(3), size_t(4), kMoving})
         mustWrite(toy_.table.scan.root / "posed" / (toy_.table.scan.frames[f].name + ".bin"),
                   floatsOf(ballIn(tall, toy_.truth[f], toy_.jobs)));
-    const LadderCell poses = cell("true_poses", "dynamic", "test"), surface = cell("true_surface", "dynamic", "test");
+    const LadderCell poses = cell("true_poses", FrameKind::Dynamic, Split::Test),
+                     surface = cell("true_surface", FrameKind::Dynamic, Split::Test);
     EXPECT_GT(*poses.surfaceMm, 5);
     EXPECT_GT(surface.maskedPsnrDb, poses.maskedPsnrDb + 3);
 }
@@ -100,7 +101,7 @@ TEST_F(LadderTest, garmentsAreComparedWithAndWithoutPoseCorrectives) {
 }
 
 TEST_F(LadderTest, aRungThatDoesNotApplyIsEmpty) {
-    EXPECT_EQ(cell("pose_fit", "dynamic", "test").frames, 0u) << "no fitted pose is known";
+    EXPECT_EQ(cell("pose_fit", FrameKind::Dynamic, Split::Test).frames, 0u) << "no fitted pose is known";
     EXPECT_EQ(cell("as_is", "static", "validation").frames, 0u);
     EXPECT_EQ(cell("as_is", "static", "train").frames, 3u);
 }

@@ -20,7 +20,7 @@ protected:
     PosesFile sample() {
         PosesFile poses;
         poses.jointNames = {"hips", "spine"};
-        FramePose frame{"full_003", "static_full", "test", Pose::rest(2), Pose::rest(2)};
+        FramePose frame{"full_003", FrameKind::StaticCloseup, Split::Validation, Pose::rest(2), Pose::rest(2)};
         frame.fittedPose->localRotations[1] = Quatf(0.6f, 0, 0.8f, 0);
         frame.pose.rootTranslation = {1, 2, 3};
         poses.frames = {frame};
@@ -34,8 +34,11 @@ TEST_F(PosesFileTest, readsBackWhatWasWritten) {
     ASSERT_TRUE(back) << back.error().message;
     ASSERT_EQ(back->frames.size(), 1u);
     EXPECT_EQ(back->frames[0].name, "full_003");
+    EXPECT_EQ(back->frames[0].kind, FrameKind::StaticCloseup);
+    EXPECT_EQ(back->frames[0].split, Split::Validation);
     EXPECT_EQ(back->frames[0].pose.rootTranslation, Vec3f(1, 2, 3));
     ASSERT_TRUE(back->frames[0].fittedPose);
+    EXPECT_EQ(&back->frames[0].bestPose(), &*back->frames[0].fittedPose);
     EXPECT_FLOAT_EQ(back->frames[0].fittedPose->localRotations[1].y, 0.8f);
 }
 
@@ -82,6 +85,18 @@ TEST_F(PosesFileTest, aRotationTooFewNamesTheFrame) {
     auto back = readPosesFile(path_);
     ASSERT_FALSE(back);
     EXPECT_NE(back.error().message.find("full_003"), std::string::npos);
+}
+
+TEST_F(PosesFileTest, anUnknownKindOrSplitNamesTheFrame) {
+    for (const auto& [name, other] : {std::pair("static_closeup", "near"), std::pair("validation", "val")}) {
+        std::string text = posesToJson(sample());
+        text.replace(text.find(name), std::string_view(name).size(), other);
+        ASSERT_TRUE(writeFileAtomically(path_, text));
+        const auto back = readPosesFile(path_);
+        ASSERT_FALSE(back) << other;
+        EXPECT_NE(back.error().message.find("full_003"), std::string::npos) << back.error().message;
+        EXPECT_NE(back.error().message.find(name), std::string::npos) << back.error().message;
+    }
 }
 
 TEST_F(PosesFileTest, theScaleOfTheScansWorldIsKept) {

@@ -22,7 +22,7 @@ std::string pageOf(const ReportData& data) {
     return std::regex_replace(reportHtml(data), std::regex("base64,[^\"]*"), "base64,");
 }
 
-HeldOutFrame frameAt(const char* kind, double maskedPsnrDb) {
+HeldOutFrame frameAt(FrameKind kind, double maskedPsnrDb) {
     HeldOutFrame frame{.name = "f", .kind = kind};
     frame.withPoseFit.maskedPsnrDb = maskedPsnrDb;
     return frame;
@@ -88,18 +88,18 @@ TEST(ReportPage, saysInWordsWhyAPartIsMissing) {
 
 TEST(ReportPage, theVerdictFollowsTheFigures) {
     ReportData data;
-    data.frames = {frameAt("static", 25), frameAt("static", 25.5), frameAt("dynamic", 17)};
+    data.frames = {frameAt(FrameKind::StaticFull, 25), frameAt(FrameKind::StaticFull, 25.5), frameAt(FrameKind::Dynamic, 17)};
     EXPECT_EQ(verdictSentence(data),
               "Standing still, the avatar looks very close to the pictures; moving, it looks recognisable, but blurred or wrong in places "
               "(judged by 3 pictures that it was not made from).");
-    data.frames = {frameAt("static", 21), frameAt("dynamic", 20.5)};
+    data.frames = {frameAt(FrameKind::StaticFull, 21), frameAt(FrameKind::Dynamic, 20.5)};
     EXPECT_EQ(
         verdictSentence(data),
         "Standing still and moving, the avatar looks like the pictures, but softer (judged by 2 pictures that it was not made from).");
-    data.frames = {frameAt("static", std::nan(""))};
+    data.frames = {frameAt(FrameKind::StaticFull, std::nan(""))};
     EXPECT_EQ(verdictSentence(data),
               "Standing still, the avatar looks only roughly like the person (judged by 1 picture that it was not made from).");
-    data.frames.clear(), data.validation = {frameAt("dynamic", 25)};
+    data.frames.clear(), data.validation = {frameAt(FrameKind::Dynamic, 25)};
     EXPECT_TRUE(verdictSentence(data).starts_with("Moving, the avatar looks very close")) << "no frame was held out";
     EXPECT_EQ(nlohmann::json::parse(reportJson(data))["in_words"], verdictSentence(data));
     EXPECT_NE(verdictSentence({}).find("No picture was kept back"), std::string::npos);

@@ -16,7 +16,9 @@ using namespace dpl;
 ReportData sample() {
     ReportData data;
     data.title = "A <b> & \"c\"";
-    data.frames = {{.name = "full_001", .kind = "static"}, {.name = "dyn_002", .kind = "dynamic"}, {.name = "full_003", .kind = "static"}};
+    data.frames = {{.name = "full_001", .kind = FrameKind::StaticFull},
+                   {.name = "dyn_002", .kind = FrameKind::Dynamic},
+                   {.name = "full_003", .kind = FrameKind::StaticFull}};
     data.frames[0].withPoseFit.maskedPsnrDb = 20;
     data.frames[2].withPoseFit.maskedPsnrDb = 24;
     data.lossCurves = {{"total", {0, 1, 2}, {0.5, 0.1, 0.02}}};
@@ -26,8 +28,8 @@ ReportData sample() {
 
 TEST(Report, meansAreTakenPerKind) {
     const ReportData data = sample();
-    EXPECT_DOUBLE_EQ(meanScore(data.frames, "static", &HeldOutFrame::withPoseFit)->maskedPsnrDb, 22);
-    EXPECT_FALSE(meanScore({}, "static", &HeldOutFrame::withPoseFit));
+    EXPECT_DOUBLE_EQ(meanScore(data.frames, FrameKind::StaticFull, &HeldOutFrame::withPoseFit)->maskedPsnrDb, 22);
+    EXPECT_FALSE(meanScore({}, FrameKind::StaticFull, &HeldOutFrame::withPoseFit));
     const auto json = nlohmann::json::parse(reportJson(data));
     EXPECT_DOUBLE_EQ(json["means"]["static"]["with_pose_fit"]["masked_psnr_db"], 22);
     EXPECT_EQ(json["frames"].size(), 3u);

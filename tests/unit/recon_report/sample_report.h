@@ -33,9 +33,9 @@ inline ReportData fullReport(uint32_t portraitWidthPx = 420, uint32_t portraitHe
     data.provenance = provenanceOf("procedural-1", true);
     data.verdict =
         "Scan a (" + std::string(200, 'p') + ")\n  poses       " + std::string(150, 'x') + " " + std::string(90, 'y') + "\nPASS\n";
-    for (const char* kind : {"static", "dynamic"})
+    for (const FrameKind kind : {FrameKind::StaticFull, FrameKind::Dynamic})
         for (int i = 0; i < 2; ++i) {
-            HeldOutFrame frame{.name = kind + std::to_string(i), .kind = kind};
+            HeldOutFrame frame{.name = shortKindName(kind) + std::to_string(i), .kind = kind};
             frame.withPoseFit = {24.5, 0.91, 0.98, 30, 0.99, 0.1};
             frame.withoutPoseFit = {22.5, 0.90, 0.97, 29, 0.98, 0.1};
             frame.labelFloor = {17, 0.7, 1, 20, 0.9, 0.1}, frame.meshFloor = {18, 0.7, 0.9, 20, 0.9, 0.1};
@@ -50,8 +50,8 @@ inline ReportData fullReport(uint32_t portraitWidthPx = 420, uint32_t portraitHe
                     {"avatar file", "whole file", "bytes", 1234567, {}}};
     data.waterfall = {{"static", "registration of held-out frames (pose fit on against off)", "dB", 2}};
     Ladder ladder;
-    for (const char* split : {"train", "validation", "test"})
-        for (const char* kind : {"static", "dynamic"}) ladder.groups.push_back({kind, split, 12});
+    for (const Split split : {Split::Train, Split::Validation, Split::Test})
+        for (const FrameKind kind : {FrameKind::StaticFull, FrameKind::Dynamic}) ladder.groups.push_back({kind, split, 12});
     ladder.rungs = {{"as_is", "as it is, in its registered poses", std::vector<LadderCell>(6, LadderCell{12, 22.4, 31.0})}};
     ladder.garments = {{"skirt", "true", std::vector<GarmentCell>(6, GarmentCell{12, 31.2, 40.1})}};
     data.ladder = ladder;

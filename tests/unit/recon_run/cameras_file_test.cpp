@@ -129,14 +129,14 @@ TEST(CameraErrors, areStatedByKindAfterOneAlignment) {
     ASSERT_TRUE(errors) << errors.error().message;
     EXPECT_NEAR(errors->scale, 2, 1e-9);
     ASSERT_EQ(errors->rows.size(), 4u);
-    EXPECT_EQ(errors->rows[0].kind, "still");
+    EXPECT_EQ(errors->rows[0].kind, FrameKind::StaticFull);
     EXPECT_NEAR(errors->rows[0].eyeMmWorst, 0, 1e-6);
-    EXPECT_EQ(errors->rows[2].kind, "moving");
+    EXPECT_EQ(errors->rows[2].kind, FrameKind::Dynamic);
     EXPECT_EQ(errors->rows[2].frames, 4u);
     EXPECT_EQ(errors->rows[2].missing, 1u);
     EXPECT_NEAR(errors->rows[2].eyeMmMedian, 10, 1e-6);
     EXPECT_EQ(errors->rows[3].frames, 1u);
-    EXPECT_NE(describeCameraErrors(*errors).find("moving"), std::string::npos);
+    EXPECT_NE(describeCameraErrors(*errors).find("dynamic"), std::string::npos);
     Scan none = found;
     none.frames.clear();
     EXPECT_FALSE(compareCameras(none, truth));

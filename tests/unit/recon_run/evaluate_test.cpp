@@ -32,7 +32,8 @@ protected:
         for (size_t f = 0; f < ToyReconstruction::kFrames; ++f) {
             Pose pose = toy.truth[f];
             pose.localRotations[1] = pose.localRotations[1] * glm::angleAxis(0.15f, Vec3f(1, 0, 0));  // not quite the truth
-            poses.frames.push_back({toy.table.scan.frames[f].name, "", "", pose, std::nullopt});
+            poses.frames.push_back(
+                {toy.table.scan.frames[f].name, toy.table.scan.frames[f].kind, toy.table.scan.frames[f].split, pose, std::nullopt});
         }
         shown_ = poses;
         must_(writeFileAtomically(toy.folder / "poses.json", posesToJson(poses)));

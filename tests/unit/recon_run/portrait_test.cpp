@@ -13,7 +13,8 @@ protected:
     PortraitTest() {
         std::swap(toy_.metric.cameras[0], toy_.metric.cameras[kFront]);  // the first camera stands before the front (+Z)
         for (size_t f = 0; f < ToyReconstruction::kFrames; ++f)
-            poses_.frames.push_back({toy_.table.scan.frames[f].name, "", "", toy_.truth[f], std::nullopt});
+            poses_.frames.push_back({toy_.table.scan.frames[f].name, toy_.table.scan.frames[f].kind, toy_.table.scan.frames[f].split,
+                                     toy_.truth[f], std::nullopt});
     }
     static constexpr size_t kFront = 2;
     Portrait draw() {

@@ -19,10 +19,9 @@ protected:
         toy_.package.bytes = bytesOf(toy_.avatar);
         for (size_t f = 0; f < ToyReconstruction::kFrames; ++f) {
             const ScanFrame& frame = toy_.table.scan.frames[f];
-            const bool heldOut = frame.split == Split::Test;
-            FramePose pose{frame.name, "", heldOut ? "test" : "train", toy_.truth[f], std::nullopt};
+            FramePose pose{frame.name, frame.kind, frame.split, toy_.truth[f], std::nullopt};
             pose.pose.rootTranslation.x += 0.02f;  // the registered pose is 2 cm off
-            if (heldOut) pose.fittedPose = toy_.truth[f];
+            if (frame.split == Split::Test) pose.fittedPose = toy_.truth[f];
             found_.poses.frames.push_back(pose);
         }
     }
