@@ -3,6 +3,7 @@
 
 #include "reconstruction/base/folder_lock.h"
 #include "reconstruction/run/camera_errors.h"
+#include "reconstruction/run/scan_inputs.h"
 #include "reconstruction/run/stage_cameras.h"
 #include "reconstruction/run/stage_observe.h"
 
@@ -18,7 +19,8 @@ Result<std::string> findCameras(const FindCamerasOptions& options, Progress& pro
     Jobs jobs;
     StageChain chain(options.out, progress);
     Run run(chain, jobs, progress);
-    run.put(SeenScan{std::move(given), {}}, "scan");  // as it is: no networks look at it
+    std::vector<FrameHashes> hashes = hashFrames(given);
+    run.put(SeenScan{std::move(given), std::move(hashes), {}}, "scan");  // as it is: no networks look at it
     DPL_TRY(const PlacedScan* placed, run.get<PlacedScan>());
     const Scan& scan = placed->scan;
     std::string summary = chain.records().empty()

@@ -29,9 +29,9 @@ std::vector<std::string> sourcesOf(const ReconstructOptions& options) {
     return sources;
 }
 
-std::set<std::string> pictureHashes(const Scan& scan) {
+std::set<std::string> pictureHashes(const std::vector<FrameHashes>& frames) {
     std::set<std::string> hashes;
-    for (const FrameHashes& frame : hashFrames(scan)) hashes.insert(frame.image);
+    for (const FrameHashes& frame : frames) hashes.insert(frame.image);
     return hashes;
 }
 
@@ -41,7 +41,7 @@ std::set<std::string> picturesBeforeImport(const ReconstructOptions& options) {
     const auto layout = recogniseCapture(options.scan);
     if (!layout || !isReadableScan(*layout)) return {};
     const auto scan = readScan(layout->foundIn.empty() ? options.scan : layout->root, ScanCameras::MayLack);
-    return scan ? pictureHashes(*scan) : std::set<std::string>();
+    return scan ? pictureHashes(hashFrames(*scan)) : std::set<std::string>();
 }
 
 }  // namespace
@@ -64,12 +64,12 @@ Status checkOutputIsFree(const ReconstructOptions& options) {
                 options.out.string(), source.is_array() && !source.empty() && source[0].is_string() ? source[0].get<std::string>() : "");
 }
 
-Status claimOutput(const ReconstructOptions& options, const Scan& scan) {
+Status claimOutput(const ReconstructOptions& options, const Scan& scan, const std::vector<FrameHashes>& hashes) {
     const json claim = {{"format", "doppel-run"},
                         {"version", 1},
                         {"source", sourcesOf(options)},
-                        {"scan", hashOfScan(scan, hashFrames(scan))},
-                        {"pictures", pictureHashes(scan)}};
+                        {"scan", hashOfScan(scan, hashes)},
+                        {"pictures", pictureHashes(hashes)}};
     return writeFileAtomically(options.out / "run.json", claim.dump(1));
 }
 

@@ -3,6 +3,7 @@
 #pragma once
 
 #include "reconstruction/input/capture/scan.h"
+#include "reconstruction/run/frame_table.h"
 #include "reconstruction/run/reconstruct.h"
 
 namespace dpl {
@@ -12,7 +13,7 @@ namespace dpl {
  *  does not exist passes: whoever reads it names it. */
 Status checkOutputIsFree(const ReconstructOptions& options);
 
-/** Writes run.json: where the scan lies, and hashes of its pictures. */
-Status claimOutput(const ReconstructOptions& options, const Scan& scan);
+/** Writes run.json: where the scan lies, and the hashes of its pictures. hashes: of hashFrames(scan). */
+Status claimOutput(const ReconstructOptions& options, const Scan& scan, const std::vector<FrameHashes>& hashes);
 
 }  // namespace dpl

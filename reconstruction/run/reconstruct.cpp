@@ -66,7 +66,7 @@ Result<T> withRun(const ReconstructOptions& options, Progress& progress, const s
     if (!scan) return refuse(options.out, {"import"}, scan.error());
     run.put(RunRequest{*scan, options}, "request");
     DPL_TRY(const ReadScan* read, run.get<ReadScan>());
-    DPL_RETURN_IF_ERROR(claimOutput(options, read->scan));
+    DPL_RETURN_IF_ERROR(claimOutput(options, read->scan, read->hashes));
     DPL_RETURN_IF_ERROR(checkTruth(read->scan));
     return work(run);
 }

@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "reconstruction/run/scan_inputs.h"
 
+#include <map>
+
 #include "reconstruction/run/stage.h"
 
 namespace dpl {
 
+namespace fs = std::filesystem;
 using nlohmann::json;
 
 namespace {
@@ -19,7 +22,7 @@ json cameraJson(const Camerad& camera) {
 
 /** The hash of a file, or the text of the error if it cannot be read. So the key changes when the file is repaired, and ingest runs again.
  */
-std::string hashOrError(const std::filesystem::path& path) {
+std::string hashOrError(const fs::path& path) {
     if (path.empty()) return "none";
     auto hash = hashFile(path);
     return hash ? *hash : hash.error().message;
@@ -28,10 +31,25 @@ std::string hashOrError(const std::filesystem::path& path) {
 }  // namespace
 
 std::vector<FrameHashes> hashFrames(const Scan& scan) {
+    return hashFrames(scan, {}, {});
+}
+
+std::vector<FrameHashes> hashFrames(const Scan& scan, const Scan& before, const std::vector<FrameHashes>& known) {
+    std::map<std::string_view, size_t> rows;
+    for (size_t row = 0; row < before.frames.size(); ++row) rows.emplace(before.frames[row].name, row);
+    constexpr std::pair<fs::path ScanFrame::*, std::string FrameHashes::*> kFiles[] = {
+        {&ScanFrame::imagePath, &FrameHashes::image},
+        {&ScanFrame::maskPath, &FrameHashes::mask},
+        {&ScanFrame::labelsPath, &FrameHashes::labels},
+        {&ScanFrame::keypointsPath, &FrameHashes::keypoints}};
     std::vector<FrameHashes> hashes;
-    for (const ScanFrame& frame : scan.frames)
-        hashes.push_back(
-            {hashOrError(frame.imagePath), hashOrError(frame.maskPath), hashOrError(frame.labelsPath), hashOrError(frame.keypointsPath)});
+    for (const ScanFrame& frame : scan.frames) {
+        const auto row = rows.find(frame.name);
+        FrameHashes& out = hashes.emplace_back();
+        for (const auto& [path, hash] : kFiles)
+            out.*hash =
+                row != rows.end() && before.frames[row->second].*path == frame.*path ? known[row->second].*hash : hashOrError(frame.*path);
+    }
     return hashes;
 }
 

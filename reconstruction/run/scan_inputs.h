@@ -10,6 +10,9 @@ namespace dpl {
 
 /** One entry a frame. A file that cannot be read has the text of the error as its hash, so the stage runs again when it is repaired. */
 std::vector<FrameHashes> hashFrames(const Scan& scan);
+/** The same after stages have changed the scan. `known`: hashes of `before`. Files that a frame of the same name had there are not read
+ *  again, so each file is hashed once a run. */
+std::vector<FrameHashes> hashFrames(const Scan& scan, const Scan& before, const std::vector<FrameHashes>& known);
 
 /** Names the pictures of a scan, whatever is known about them: names of frames and hashes of their images. */
 std::string hashOfScan(const Scan& scan, const std::vector<FrameHashes>& hashes);

@@ -108,11 +108,17 @@ Status solve(const Scan& scan, double heightM, StageContext& context) {
     return writeFileAtomically(context.folder / "cameras.json", camerasToJson(found));
 }
 
+Result<PlacedScan> placed(const SeenScan& seen, const FoundCameras& found) {
+    DPL_TRY(Scan scan, withCameras(seen.scan, found));
+    std::vector<FrameHashes> hashes = hashFrames(scan, seen.scan, seen.hashes);
+    return PlacedScan{std::move(scan), std::move(hashes), true};
+}
+
 }  // namespace
 
 Status StageOf<SolvedScan>::inputs(StageInputs& in) {
     DPL_TRY(const SeenScan* seen, in.part<SeenScan>());
-    in.value("scan", scanInputs(seen->scan, hashFrames(seen->scan)));
+    in.value("scan", scanInputs(seen->scan, seen->hashes));
     in.value("focal", seen->scan.focalGuessPx);
     in.value("height", seen->scan.subjectHeightM);
     return {};
@@ -132,7 +138,7 @@ Result<SolvedScan> StageOf<SolvedScan>::read(StageInputs&, const std::filesystem
 
 Status StageOf<RepairedScan>::inputs(StageInputs& in) {
     DPL_TRY(const SeenScan* seen, in.part<SeenScan>());
-    in.value("scan", scanInputs(seen->scan, hashFrames(seen->scan)));
+    in.value("scan", scanInputs(seen->scan, seen->hashes));
     in.value("repair", true);
     return {};
 }
@@ -174,12 +180,9 @@ Result<PlacedScan> StageOf<PlacedScan>::compute(StageInputs& in) {
     if (in.has<RepairedScan>()) {
         DPL_TRY(const RepairedScan* repaired, in.of<RepairedScan>());
         for (const std::string& sentence : repaired->found.sentences) in.progress().note(sentence);
-        if (!repaired->found.cameras.empty()) {
-            DPL_TRY(Scan scan, withCameras(seen->scan, repaired->found));
-            return PlacedScan{std::move(scan), true};
-        }
+        if (!repaired->found.cameras.empty()) return placed(*seen, repaired->found);
     }
-    if (!in.has<SolvedScan>()) return PlacedScan{seen->scan, false};
+    if (!in.has<SolvedScan>()) return PlacedScan{seen->scan, seen->hashes, false};
     DPL_TRY(const SolvedScan* solved, in.of<SolvedScan>());
     std::string text;
     for (const std::string& sentence : solved->found.sentences) text += (text.empty() ? "" : "\n  ") + sentence;
@@ -192,8 +195,7 @@ Result<PlacedScan> StageOf<PlacedScan>::compute(StageInputs& in) {
                            solved->log.string()));
     }
     in.progress().note(text);
-    DPL_TRY(Scan scan, withCameras(seen->scan, solved->found));
-    return PlacedScan{std::move(scan), true};
+    return placed(*seen, solved->found);
 }
 
 }  // namespace dpl

@@ -4,6 +4,7 @@
 
 #include "reconstruction/input/capture/scan.h"
 #include "reconstruction/run/cameras_file.h"
+#include "reconstruction/run/frame_table.h"
 #include "reconstruction/run/graph.h"
 
 namespace dpl {
@@ -41,6 +42,7 @@ struct StageOf<RepairedScan> {
  *  refuses, it is the error. */
 struct PlacedScan {
     Scan scan;
+    std::vector<FrameHashes> hashes;
     bool camerasFound = false;  // by this run
 };
 

@@ -25,7 +25,7 @@ bool isInside(const std::filesystem::path& file, const std::filesystem::path& fo
 Status StageOf<CloseupMasks>::inputs(StageInputs& in) {
     DPL_TRY([[maybe_unused]] const SeenScan* seen, in.part<SeenScan>());
     DPL_TRY(const PlacedScan* placed, in.part<PlacedScan>());
-    in.value("scan", scanInputs(placed->scan, hashFrames(placed->scan)));
+    in.value("scan", scanInputs(placed->scan, placed->hashes));
     return {};
 }
 
@@ -73,11 +73,12 @@ Status StageOf<CompleteScan>::inputs(StageInputs& in) {
 
 Result<CompleteScan> StageOf<CompleteScan>::compute(StageInputs& in) {
     DPL_TRY(const PlacedScan* placed, in.of<PlacedScan>());
-    CompleteScan complete{placed->scan, placed->camerasFound};
+    CompleteScan complete{placed->scan, placed->hashes, placed->camerasFound};
     if (!in.has<CloseupMasks>()) return complete;
     DPL_TRY(const CloseupMasks* masks, in.of<CloseupMasks>());
     for (ScanFrame& frame : complete.scan.frames)
         if (masks->contradicted.contains(frame.name)) frame.maskPath = masks->folder / (frame.name + ".png");
+    complete.hashes = hashFrames(complete.scan, placed->scan, placed->hashes);
     if (!masks->contradicted.empty())
         in.progress().note(formatText("{} masks of close-ups are empty or not the person's; the full-body pictures replace {} of them",
                                       masks->contradicted.size(), masks->replaced));

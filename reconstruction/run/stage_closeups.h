@@ -5,6 +5,7 @@
 #include <set>
 
 #include "reconstruction/input/capture/scan.h"
+#include "reconstruction/run/frame_table.h"
 #include "reconstruction/run/graph.h"
 
 namespace dpl {
@@ -28,6 +29,7 @@ struct StageOf<CloseupMasks> {
 /** The scan with everything that a run found for it. */
 struct CompleteScan {
     Scan scan;
+    std::vector<FrameHashes> hashes;
     bool camerasFound = false;
 };
 

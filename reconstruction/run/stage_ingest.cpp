@@ -41,7 +41,7 @@ Error refuseByCheck(const std::filesystem::path& out, const CheckedScan& checked
 
 Status StageOf<CheckedScan>::inputs(StageInputs& in) {
     DPL_TRY(const CompleteScan* complete, in.part<CompleteScan>());
-    in.value("scan", scanInputs(complete->scan, hashFrames(complete->scan)));
+    in.value("scan", scanInputs(complete->scan, complete->hashes));
     return {};
 }
 
@@ -87,7 +87,7 @@ Result<FrameTable> StageOf<FrameTable>::compute(StageInputs& in) {
     table.scan = complete->scan;
     table.camerasFound = complete->camerasFound;
     table.usable = checked->usable;
-    table.hashes = hashFrames(table.scan);
+    table.hashes = complete->hashes;
     table.verdict = checked->verdict;
     table.check = checked->check;
     table.validation = setValidationAside(table.scan, table.usable);

@@ -52,8 +52,9 @@ Result<ReadScan> StageOf<ReadScan>::compute(StageInputs& in) {
     const ReconstructOptions& options = request->options;
     auto read = readScan(request->scan, ScanCameras::MayLack);
     if (!read) return refuse(in.outFolder(), {"ingest"}, read.error());
-    ReadScan out{std::move(*read), {}, options.models};
-    out.hash = hashOfScan(out.scan, hashFrames(out.scan));
+    ReadScan out{std::move(*read), {}, {}, options.models};
+    out.hashes = hashFrames(out.scan);
+    out.hash = hashOfScan(out.scan, out.hashes);
     if (options.heightM > 0) out.scan.subjectHeightM = options.heightM;
     if (!out.scan.assumed.empty()) in.progress().note(out.scan.assumed);
     DPL_RETURN_IF_ERROR(checkTools(in, out.scan, *request));
@@ -74,7 +75,7 @@ Status StageOf<Observations>::inputs(StageInputs& in) {
     json networks = json::array();
     for (const char* name : network_files::kAll)
         if (auto hash = hashFile(read->networks / name)) networks.push_back(*hash);
-    in.value("scan", scanInputs(read->scan, hashFrames(read->scan)));
+    in.value("scan", scanInputs(read->scan, read->hashes));
     in.value("models", networks);
     in.value("persons", request->options.persons);
     return {};
@@ -105,12 +106,11 @@ Status StageOf<SeenScan>::inputs(StageInputs& in) {
 
 Result<SeenScan> StageOf<SeenScan>::compute(StageInputs& in) {
     DPL_TRY(const ReadScan* read, in.of<ReadScan>());
-    SeenScan seen{read->scan, {}};
-    if (in.has<Observations>()) {
-        DPL_TRY(const Observations* observations, in.of<Observations>());
-        seen = {withObservations(read->scan, observations->folder), observations->folder};
-    }
-    return seen;
+    if (!in.has<Observations>()) return SeenScan{read->scan, read->hashes, {}};
+    DPL_TRY(const Observations* observations, in.of<Observations>());
+    Scan scan = withObservations(read->scan, observations->folder);
+    std::vector<FrameHashes> hashes = hashFrames(scan, read->scan, read->hashes);
+    return SeenScan{std::move(scan), std::move(hashes), observations->folder};
 }
 
 }  // namespace dpl

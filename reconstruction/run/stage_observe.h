@@ -3,6 +3,7 @@
 #pragma once
 
 #include "reconstruction/input/capture/scan.h"
+#include "reconstruction/run/frame_table.h"
 #include "reconstruction/run/graph.h"
 
 namespace dpl {
@@ -10,8 +11,9 @@ namespace dpl {
 /** The scan as its folder states it. */
 struct ReadScan {
     Scan scan;
-    std::string hash;                // hashOfScan()
-    std::filesystem::path networks;  // folder of those that look at it; empty: none
+    std::vector<FrameHashes> hashes;  // of the frames
+    std::string hash;                 // hashOfScan()
+    std::filesystem::path networks;   // folder of those that look at it; empty: none
 };
 
 template <>
@@ -38,6 +40,7 @@ struct StageOf<Observations> {
 /** The scan with keypoints and masks: its own, or those that were found. */
 struct SeenScan {
     Scan scan;
+    std::vector<FrameHashes> hashes;
     std::filesystem::path found;  // folder of found files; empty: the scan's own are used
 };
 

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "reconstruction/run/output_claim.h"
 
+#include "reconstruction/run/scan_inputs.h"
+#include "reconstruction/run/stage_closeups.h"
+#include "reconstruction/run/stage_observe.h"
 #include "sdk/core/files.h"
 #include "tests/unit/recon_capture/scan_builder.h"
 
@@ -31,7 +34,7 @@ protected:
         fs::create_directories(folder_.path / "out");
         const auto read = readScan(scan);
         ASSERT_TRUE(read) << read.error().message;
-        ASSERT_TRUE(claimOutput(run(scan), *read));
+        ASSERT_TRUE(claimOutput(run(scan), *read, hashFrames(*read)));
     }
     const TemporaryFolder folder_;
 };
@@ -74,6 +77,29 @@ TEST_F(OutputClaim, aDamagedClaimRefuses) {
     }
     ASSERT_TRUE(writeFileAtomically(folder_.path / "out/run.json", std::string_view("{")));
     EXPECT_TRUE(checkOutputIsFree(run(ada))) << "says nothing of a scan";
+}
+
+TEST_F(OutputClaim, aFileOfTheScanIsHashedOnceARun) {
+    const auto scan = readScan(scanAt("ada", 1));
+    ASSERT_TRUE(scan) << scan.error().message;
+    std::vector<FrameHashes> hashes = hashFrames(*scan);
+    for (size_t f = 0; f < hashes.size(); ++f) hashes[f].image = "hash of picture " + std::to_string(f);  // no file has such a hash
+    Progress progress(Progress::Style::Quiet);
+    Jobs jobs(1);
+    StageChain chain(folder_.path / "out", progress);
+    dpl::Run graph(chain, jobs, progress);
+    graph.put(ReadScan{*scan, hashes, "scan", {}}, "read");
+    const auto complete = graph.get<CompleteScan>();
+    ASSERT_TRUE(complete) << complete.error().message;
+    for (size_t f = 0; f < hashes.size(); ++f) {
+        EXPECT_EQ((*complete)->hashes[f].image, hashes[f].image);
+        EXPECT_EQ((*complete)->hashes[f].mask, hashes[f].mask);
+    }
+    fs::create_directories(folder_.path / "out");
+    ASSERT_TRUE(claimOutput(run(scan->root), *scan, hashes));
+    const auto claim = readFile(folder_.path / "out" / "run.json");
+    ASSERT_TRUE(claim);
+    EXPECT_NE(std::string(claim->begin(), claim->end()).find("hash of picture 2"), std::string::npos);
 }
 
 }  // namespace
