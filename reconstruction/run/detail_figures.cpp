@@ -53,7 +53,8 @@ Status addDetailFigures(const Scan& scan, Progress& progress, AvatarView& view, 
                 return detailCorrelation(drawn, expected, camera.widthPx, camera.heightPx, chosen);
             };
             all.add(score({}));
-            const ImageGrey8& labels = frame.picture->labels;
+            DPL_TRY(const auto picture, frame.picture.get());
+            const ImageGrey8& labels = picture->labels;
             if (labels.pixels.size() * kTimes * kTimes != size_t(camera.widthPx) * camera.heightPx) continue;
             for (size_t l = 0; l < scan.labels.size(); ++l)
                 if (scan.labels[l].name != "background") ofLabel[l].add(score(pixelsOf(labels, scan.labels[l].value)));

@@ -23,7 +23,8 @@ Result<std::string> publishedLine(const Scan& scan, const FrameSet& heldOut, Ava
         if (!tell(double(i) / double(heldOut.frames.size()), frame.name + ", published protocol")) return fail(Code::Cancelled, "stopped");
         const FramePose& found = poses.frames[heldOut.rows[i]];
         DPL_TRY(const auto rgba, view.draw(found.bestPose(), frame.camera));
-        auto score = scoreAsPublished(rgba, frame.picture->image, frame.picture->mask, lpips);
+        DPL_TRY(const auto picture, frame.picture.get());
+        auto score = scoreAsPublished(rgba, picture->image, picture->mask, lpips);
         if (!score) return fail(score.error().code, "frame '{}': {}", frame.name, score.error().message);
         scores.push_back(*score);
     }
@@ -77,7 +78,7 @@ Result<std::string> evaluateAvatar(const EvaluateOptions& options, Progress& pro
     DPL_TRY(auto view, AvatarView::open(bytes, options.threadCount));
     DPL_TRY(const LabelColours labelColours, gatherLabelColours(table));
     for (const auto& [split, frames] : {std::pair{Split::Test, &data.frames}, {Split::Validation, &data.validation}}) {
-        DPL_TRY(const FrameSet set, table.frames(split, cameras, registered));
+        const FrameSet set = table.frames(split, cameras, registered);
         DPL_TRY(*frames, scoreFrames(labelColours, set, avatar, view, poses, split == Split::Test, jobs, tell));
     }
     if (data.frames.empty() && data.validation.empty())
@@ -85,7 +86,7 @@ Result<std::string> evaluateAvatar(const EvaluateOptions& options, Progress& pro
                     options.scan.string());
     std::string summary = scoreLines(data.frames, "held-out") + scoreLines(data.validation, "validation");
     if (!table.scan.protocol.empty()) {
-        DPL_TRY(const FrameSet heldOut, table.frames(Split::Test, cameras, registered));
+        const FrameSet heldOut = table.frames(Split::Test, cameras, registered);
         DPL_TRY(const std::string line, publishedLine(table.scan, heldOut, view, poses, lpips ? &*lpips : nullptr, tell));
         summary += line;
     }

@@ -27,8 +27,9 @@ Result<std::vector<HeldOutFrame>> scoreFrames(const LabelColours& labelColours, 
     for (size_t i = 0; i < set.frames.size(); ++i) {
         const TrainFrame& frame = set.frames[i];
         if (!progress(double(i) / double(set.frames.size()), frame.name)) return fail(Code::Cancelled, "stopped");
-        const ImageRgb8& image = frame.picture->image;
-        const ImageGrey8 &mask = frame.picture->mask, &labels = frame.picture->labels;
+        DPL_TRY(const auto picture, frame.picture.get());
+        const ImageRgb8& image = picture->image;
+        const ImageGrey8 &mask = picture->mask, &labels = picture->labels;
         const FramePose& found = poses.frames[set.rows[i]];
         const Pose& fitted = found.bestPose();
         HeldOutFrame out;

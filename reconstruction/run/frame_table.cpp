@@ -3,19 +3,20 @@
 
 namespace dpl {
 
-Result<TrainFrame> FrameTable::frame(size_t row, const Camerad& camera, const Pose& pose) const {
-    TrainFrame out{scan.frames[row].name, scan.frames[row].kind, camera, pose, nullptr, nullptr};
-    DPL_TRY(out.picture, picture(row));
-    return out;
+LazyPicture FrameTable::lazyPicture(size_t row) const {
+    return LazyPicture([cache = pictures, frame = scan.frames[row]] { return cache->of(frame); });
 }
 
-Result<FrameSet> FrameTable::frames(Split split, std::span<const Camerad> cameras, std::span<const Pose> poses) const {
+TrainFrame FrameTable::frame(size_t row, const Camerad& camera, const Pose& pose) const {
+    return {scan.frames[row].name, scan.frames[row].kind, camera, pose, lazyPicture(row), nullptr};
+}
+
+FrameSet FrameTable::frames(Split split, std::span<const Camerad> cameras, std::span<const Pose> poses) const {
     FrameSet set;
     for (size_t row = 0; row < rows(); ++row) {
         const ScanFrame& scanned = scan.frames[row];
         if (split == Split::Train ? !trains(row) : scanned.split != split || scanned.maskPath.empty()) continue;
-        DPL_TRY(TrainFrame one, frame(row, cameras[row], poses[row]));
-        set.frames.push_back(std::move(one));
+        set.frames.push_back(frame(row, cameras[row], poses[row]));
         set.rows.push_back(row);
     }
     return set;

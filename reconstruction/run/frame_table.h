@@ -58,12 +58,15 @@ struct FrameTable {
     /** The row's picture, decoded on demand. */
     Result<std::shared_ptr<const FramePicture>> picture(size_t row) const { return pictures->of(scan.frames[row]); }
 
+    /** The same for whoever asks later, for as long as it likes. */
+    LazyPicture lazyPicture(size_t row) const;
+
     /** The row with its picture, a camera (metres) and a pose. */
-    Result<TrainFrame> frame(size_t row, const Camerad& camera, const Pose& pose) const;
+    TrainFrame frame(size_t row, const Camerad& camera, const Pose& pose) const;
 
     /** All frames of a split; of the training split only usable ones, of the others those with a mask. cameras (metres) and poses: one a
      *  row. */
-    Result<FrameSet> frames(Split split, std::span<const Camerad> cameras, std::span<const Pose> poses) const;
+    FrameSet frames(Split split, std::span<const Camerad> cameras, std::span<const Pose> poses) const;
 
     /** Still training frames with a mask, without close-ups. Their silhouettes shape the surface and the garments. Where there are none,
      * the moving ones. */

@@ -12,16 +12,18 @@
 
 namespace dpl {
 
-std::vector<uint8_t> voteTriangleLabels(const std::vector<JointData>& joints, const MeshData& mesh, const std::vector<TrainFrame>& frames,
-                                        uint8_t bodyLabel, Jobs& jobs) {
+Result<std::vector<uint8_t>> voteTriangleLabels(const std::vector<JointData>& joints, const MeshData& mesh,
+                                                const std::vector<TrainFrame>& frames, uint8_t bodyLabel, Jobs& jobs) {
     TriangleLabels votes(mesh.triangles.size());
     bool any = false;
     std::vector<Vec3f> positions;
     for (const TrainFrame& frame : frames) {
-        if (frame.kind == FrameKind::Dynamic || frame.picture->labels.pixels.empty()) continue;
+        if (frame.kind == FrameKind::Dynamic) continue;
+        DPL_TRY(const auto picture, frame.picture.get());
+        if (picture->labels.pixels.empty()) continue;
         posedPositions(joints, mesh, frame.pose, jobs, positions);
         const MeshRaster raster = rasteriseMesh(positions, mesh.triangles, frame.camera);
-        votes.add(raster, positions, mesh.triangles, frame.camera, frame.picture->labels.pixels, frame.picture->mask.pixels);
+        votes.add(raster, positions, mesh.triangles, frame.camera, picture->labels.pixels, picture->mask.pixels);
         any = true;
     }
     return any ? votes.finish(mesh.triangles, bodyLabel) : std::vector<uint8_t>();
@@ -52,14 +54,15 @@ float trainedPixelM(const std::vector<JointData>& joints, const std::vector<Trai
     return 0;
 }
 
-std::vector<glm::u8vec4> gatherVertexColours(const std::vector<JointData>& joints, const MeshData& mesh,
-                                             const std::vector<TrainFrame>& frames, Jobs& jobs) {
+Result<std::vector<glm::u8vec4>> gatherVertexColours(const std::vector<JointData>& joints, const MeshData& mesh,
+                                                     const std::vector<TrainFrame>& frames, Jobs& jobs) {
     VertexColours colours(mesh.restPositions.size());
     std::vector<Vec3f> positions;
     for (const TrainFrame& frame : frames) {
+        DPL_TRY(const auto picture, frame.picture.get());
         posedPositions(joints, mesh, frame.pose, jobs, positions);
         const MeshRaster raster = rasteriseMesh(positions, mesh.triangles, frame.camera);
-        colours.add(raster, positions, mesh.triangles, frame.camera, frame.picture->image.pixels, frame.picture->mask.pixels);
+        colours.add(raster, positions, mesh.triangles, frame.camera, picture->image.pixels, picture->mask.pixels);
     }
     return colours.finish(mesh.triangles);
 }

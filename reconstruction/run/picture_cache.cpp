@@ -15,17 +15,29 @@ std::string keyOf(const ScanFrame& frame) {
 
 }  // namespace
 
+uint64_t PictureCache::keptBytes() const {
+    const std::lock_guard lock(mutex_);
+    return keptBytes_;
+}
+
 Result<std::shared_ptr<const FramePicture>> PictureCache::of(const ScanFrame& frame) {
     const std::string key = keyOf(frame);
+    {
+        const std::lock_guard lock(mutex_);
+        if (auto held = held_[key].lock()) return keep(key, std::move(held));
+    }
+    DPL_TRY(FramePicture decoded, readFramePicture(frame));  // without the lock: threads decode side by side
+    auto picture = std::make_shared<const FramePicture>(std::move(decoded));
+    const std::lock_guard lock(mutex_);
+    if (auto held = held_[key].lock()) picture = std::move(held);  // another thread was faster
+    held_[key] = picture;
+    return keep(key, std::move(picture));
+}
+
+std::shared_ptr<const FramePicture> PictureCache::keep(const std::string& key, std::shared_ptr<const FramePicture> picture) {
     if (const auto found = byKey_.find(key); found != byKey_.end()) {
         kept_.splice(kept_.begin(), kept_, found->second);
-        return kept_.front().picture;
-    }
-    std::shared_ptr<const FramePicture> picture = held_[key].lock();
-    if (!picture) {
-        DPL_TRY(FramePicture decoded, readFramePicture(frame));
-        picture = std::make_shared<const FramePicture>(std::move(decoded));
-        held_[key] = picture;
+        return picture;
     }
     kept_.push_front({key, picture, bytesOf(*picture)});
     byKey_[key] = kept_.begin();

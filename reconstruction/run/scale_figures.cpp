@@ -35,7 +35,10 @@ Status addScaleFigures(const std::filesystem::path& scan, Progress& progress, Av
                 for (auto& row : sums) std::fill(std::begin(row), std::end(row), Sums{});
             }
             if (!truth && fine) continue;
-            if (!truth) truth = FineTruth{cutOut(frame.picture->image, frame.picture->mask), frame.camera.widthPx, frame.camera.heightPx};
+            if (!truth) {
+                DPL_TRY(const auto picture, frame.picture.get());
+                truth = FineTruth{cutOut(picture->image, picture->mask), frame.camera.widthPx, frame.camera.heightPx};
+            }
             const FramePose& found = poses.frames[heldOut.rows[i]];
             for (size_t s = 0; s < std::size(kScales); ++s) {
                 const Camerad camera = frame.camera.scaled(kScales[s]);

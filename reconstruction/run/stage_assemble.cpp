@@ -71,7 +71,7 @@ Result<AssembledAvatar> StageOf<AssembledAvatar>::compute(StageInputs& in) {
     avatar.mesh = layers->clothed.mesh;
     out.triangleLabel = layers->clothed.triangleLabel;
     avatar.mesh.restPositions = trained.restPositions;
-    avatar.mesh.colours = gatherVertexColours(avatar.joints, avatar.mesh, out.frames, in.jobs());
+    DPL_TRY(avatar.mesh.colours, gatherVertexColours(avatar.joints, avatar.mesh, out.frames, in.jobs()));
     avatar.splats = trained.splats;
     avatar.correctives = trained.correctives;
     avatar.clips = scanMotion(table->scan, set.rows, trained.poses);

@@ -48,13 +48,11 @@ Status StageOf<MappedBody>::make(StageInputs& in, StageContext& context) {
     DPL_TRY(const FittedBody* body, in.of<FittedBody>());
     DPL_TRY(const FittedSurface* surface, in.of<FittedSurface>());
     const MeshData mesh = surface->clothed(body->shaped.mesh);
-    std::vector<std::shared_ptr<const FramePicture>> kept;
     std::vector<PosedPicture> stills;
     for (size_t row = 0; row < table->rows(); ++row) {
         const FrameKind kind = table->scan.frames[row].kind;
         if (kind == FrameKind::Dynamic || !table->trains(row)) continue;
-        DPL_TRY(kept.emplace_back(), table->picture(row));
-        stills.push_back({*kept.back(), metric->cameras[row], surface->poses[row], kind == FrameKind::StaticCloseup});
+        stills.push_back({table->lazyPicture(row), metric->cameras[row], surface->poses[row], kind == FrameKind::StaticCloseup});
     }
     const std::vector<JointData>& joints = body->shaped.joints;
     const std::vector<BodyPlace> places = placesOf(joints, mesh);

@@ -121,6 +121,8 @@ Status StageOf<Training>::make(StageInputs& in, StageContext& context) {
     DPL_TRY(const RunSettings* settings, in.of<RunSettings>());
     DPL_TRY(const FittedBody* body, in.of<FittedBody>());
     DPL_TRY(const GarmentLayers* layers, in.of<GarmentLayers>());
+    context.progress.detail(
+        formatText("pictures at the size of a training level are kept up to {} MiB", CoOptimiseInput().levelBoundBytes >> 20));
     context.progress.update(0, "reading pictures");
     DPL_TRY(FrameSet set, registeredFrames(in, Split::Train));
     if (set.frames.empty()) return fail(Code::InvalidArgument, "no usable training frames");

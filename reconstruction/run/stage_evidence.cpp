@@ -108,7 +108,8 @@ public:
             if (jury_.registered)
                 if (auto fitted = fitPose(decoded, frame, settings_.poseFit, jobs_)) pose = fitted->pose;
             DPL_TRY(const auto picture, view.draw(pose, frame.camera));
-            const auto truth = cutOut(frame.picture->image, frame.picture->mask);
+            DPL_TRY(const auto shown, frame.picture.get());
+            const auto truth = cutOut(shown->image, shown->mask);
             const uint32_t width = frame.camera.widthPx, height = frame.camera.heightPx;
             const bool closeup = frame.kind == FrameKind::StaticCloseup;
             if (!closeup) psnrDb.add(scorePicture(picture, truth, width, height).maskedPsnrDb);

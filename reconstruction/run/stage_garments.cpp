@@ -63,18 +63,17 @@ Status StageOf<GarmentLayers>::make(StageInputs& in, StageContext& context) {
     DPL_TRY(const MetricCameras* metric, in.of<MetricCameras>());
     DPL_TRY(const FittedBody* body, in.of<FittedBody>());
     DPL_TRY(const FittedSurface* surface, in.of<FittedSurface>());
-    std::vector<std::shared_ptr<const FramePicture>> pictures;
     std::vector<GarmentView> views;
     for (const size_t row : table->silhouetteRows()) {
-        DPL_TRY(pictures.emplace_back(), table->picture(row));
-        views.push_back({metric->cameras[row], pictures.back()->mask, pictures.back()->labels, surface->poses[row]});
+        DPL_TRY(const auto picture, table->picture(row));
+        views.push_back({metric->cameras[row], picture->mask, picture->labels, surface->poses[row]});
     }
     std::vector<GarmentView> moving;
     for (size_t row = 0; row < table->rows(); ++row) {
         const ScanFrame& frame = table->scan.frames[row];
         if (!table->trains(row) || frame.kind != FrameKind::Dynamic || frame.maskPath.empty() || frame.labelsPath.empty()) continue;
-        DPL_TRY(pictures.emplace_back(), table->picture(row));
-        moving.push_back({metric->cameras[row], pictures.back()->mask, pictures.back()->labels, body->poses[row]});
+        DPL_TRY(const auto picture, table->picture(row));
+        moving.push_back({metric->cameras[row], picture->mask, picture->labels, body->poses[row]});
     }
     const auto progress = [&](double fraction) {
         context.progress.update(fraction, formatText("{} still pictures", views.size()));

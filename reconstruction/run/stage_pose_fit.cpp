@@ -68,11 +68,10 @@ Status StageOf<FoundPoses>::make(StageInputs& in, StageContext& context) {
         } else {
             if (context.progress.cancelled()) return fail(Code::Cancelled, "stopped");
             entry.pose = registeredPose(scan, registered->poses.poses, trained, row);
+            TrainFrame shown = table->frame(row, metric->cameras[row], entry.pose);
+            shown.precision = registered->precisions[row];
             // A frame whose picture cannot be used keeps its registered pose.
-            if (auto shown = table->frame(row, metric->cameras[row], entry.pose)) {
-                shown->precision = registered->precisions[row];
-                if (auto fitted = fitPose(avatar, *shown, after->settings.poseFit, in.jobs())) entry.fittedPose = fitted->pose;
-            }
+            if (auto fitted = fitPose(avatar, shown, after->settings.poseFit, in.jobs())) entry.fittedPose = fitted->pose;
             context.progress.update(double(++done) / double(untrained), frame.name);
         }
         poses.frames.push_back(std::move(entry));

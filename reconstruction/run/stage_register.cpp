@@ -61,7 +61,6 @@ Status StageOf<RegisteredPoses>::make(StageInputs& in, StageContext& context) {
     DPL_TRY(const FittedSurface* surface, in.of<FittedSurface>());
     const Scan& scan = table->scan;
     const MeshData mesh = surface->clothed(body->shaped.mesh);
-    std::vector<std::shared_ptr<const FramePicture>> shown(scan.frames.size());
     std::vector<std::vector<Keypoint>> keypoints(scan.frames.size());
     std::vector<TrainFrame> stills;
     RegisterInput input;
@@ -70,15 +69,12 @@ Status StageOf<RegisteredPoses>::make(StageInputs& in, StageContext& context) {
         DPL_TRY(keypoints[f], readKeypoints(scan, frame));
         if (f < body->fit.swapped.size() && body->fit.swapped[f])
             keypoints[f] = withSidesSwapped(keypoints[f], scan.keypointNames, body->fit.swapped[f]);
-        if (table->trains(f)) {
-            DPL_TRY(shown[f], table->picture(f));
-            if (frame.kind != FrameKind::Dynamic)
-                stills.push_back({frame.name, frame.kind, metric->cameras[f], surface->poses[f], shown[f]});
-        }
-        input.frames.push_back({frame.kind, frame.timeS, metric->cameras[f], surface->poses[f], shown[f].get(), keypoints[f], frame.split});
+        if (table->trains(f) && frame.kind != FrameKind::Dynamic) stills.push_back(table->frame(f, metric->cameras[f], surface->poses[f]));
+        input.frames.push_back({frame.kind, frame.timeS, metric->cameras[f], surface->poses[f],
+                                table->trains(f) ? table->lazyPicture(f) : LazyPicture(), keypoints[f], frame.split});
     }
-    const std::vector<uint8_t> triangleLabel =
-        voteTriangleLabels(body->shaped.joints, mesh, stills, votingLabels(scan.labels)[0].value, in.jobs());
+    DPL_TRY(const std::vector<uint8_t> triangleLabel,
+            voteTriangleLabels(body->shaped.joints, mesh, stills, votingLabels(scan.labels)[0].value, in.jobs()));
     const std::vector<uint8_t> labels = triangleLabel.empty() ? std::vector<uint8_t>() : rigidLabels(scan);
     const std::vector<uint8_t> rigid = rigidTriangles(mesh, surface->restOffsets, triangleLabel, labels);
     input.body = &body->shaped, input.surface = &mesh;
@@ -127,7 +123,7 @@ Result<FrameSet> registeredFrames(StageInputs& in, Split split) {
     DPL_TRY(const FrameTable* table, in.of<FrameTable>());
     DPL_TRY(const MetricCameras* metric, in.of<MetricCameras>());
     DPL_TRY(const RegisteredPoses* registered, in.of<RegisteredPoses>());
-    DPL_TRY(FrameSet set, table->frames(split, metric->cameras, registered->poses.poses));
+    FrameSet set = table->frames(split, metric->cameras, registered->poses.poses);
     setPrecisions(set, registered->precisions);
     return set;
 }

@@ -46,11 +46,10 @@ Status StageOf<FittedSurface>::make(StageInputs& in, StageContext& context) {
     DPL_TRY(const FrameTable* table, in.of<FrameTable>());
     DPL_TRY(const MetricCameras* metric, in.of<MetricCameras>());
     DPL_TRY(const FittedBody* body, in.of<FittedBody>());
-    std::vector<std::shared_ptr<const FramePicture>> pictures;
     std::vector<SurfaceView> views;
     for (const size_t row : table->silhouetteRows()) {
-        DPL_TRY(pictures.emplace_back(), table->picture(row));
-        views.push_back({metric->cameras[row], pictures.back()->mask, body->poses[row]});
+        DPL_TRY(const auto picture, table->picture(row));
+        views.push_back({metric->cameras[row], picture->mask, body->poses[row]});
     }
     if (views.empty())
         return fail(Code::InvalidArgument, "no still training frame has a mask; add masks, or let networks find the person: {}",

@@ -86,6 +86,7 @@ Result<std::vector<SeenTriangle>> mapBody(const MeshData& surface, std::span<con
     struct Measured {
         std::vector<Sight> sights;
         std::optional<float> blurPx;
+        Status read;
     };
     std::vector<Measured> measured(pictures.size());
     std::atomic<bool> cancelled{false};
@@ -97,14 +98,20 @@ Result<std::vector<SeenTriangle>> mapBody(const MeshData& surface, std::span<con
         std::vector<Vec3f> positions(surface.restPositions.size());
         for (size_t v = 0; v < positions.size(); ++v)
             positions[v] = skinVertex(surface.restPositions[v], surface.jointIndices[v], surface.jointWeights[v], worldFromRest.data());
-        const ImageGrey8& mask = pictures[i].picture.mask;
-        measured[i] = {lookAt(positions, surface.triangles, pictures[i].camera, mask.pixels.empty() ? nullptr : &mask),
-                       blurOfPicture(pictures[i].picture)};
+        const auto picture = pictures[i].picture.get();
+        if (!picture) {
+            measured[i].read = picture.error();
+            return;
+        }
+        const ImageGrey8& mask = (*picture)->mask;
+        measured[i] = {
+            lookAt(positions, surface.triangles, pictures[i].camera, mask.pixels.empty() ? nullptr : &mask), blurOfPicture(**picture), {}};
         const size_t count = ++done;
         if (worker == 0 && tell && !tell(double(count) / double(pictures.size()))) cancelled = true;
     });
     if (cancelled) return fail(Code::Cancelled, "stopped after {} of {} pictures", done.load(), pictures.size());
 
+    for (const Measured& m : measured) DPL_RETURN_IF_ERROR(m.read);
     std::vector<float> known;
     for (const Measured& m : measured)
         if (m.blurPx) known.push_back(*m.blurPx);

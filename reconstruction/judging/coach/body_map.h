@@ -7,7 +7,7 @@
 #include <span>
 #include <vector>
 
-#include "reconstruction/input/capture/frame_picture.h"
+#include "reconstruction/input/capture/train_frame.h"
 #include "reconstruction/subject/surface/body_places.h"
 #include "sdk/avatar/rig.h"
 #include "sdk/core/jobs.h"
@@ -47,14 +47,15 @@ void addPicture(std::vector<SeenTriangle>& map, std::span<const Sight> sights, f
 
 /** One still picture. */
 struct PosedPicture {
-    const FramePicture& picture;
+    LazyPicture picture;
     Camerad camera;  // metres
     Pose pose;
     bool closeUp = false;
 };
 
 /** The map of a surface at rest, F. Blur is measured on the whole person in each picture; a picture with too few edges takes the median of
- * the others. tell: share done; false cancels; may be empty. The result does not depend on the number of threads. Error: Cancelled. */
+ * the others. tell: share done; false cancels; may be empty. The result does not depend on the number of threads. Errors: a picture
+ *  cannot be read; Cancelled. */
 Result<std::vector<SeenTriangle>> mapBody(const MeshData& surface, std::span<const JointData> joints,
                                           std::span<const PosedPicture> pictures, const std::function<bool(double share)>& tell,
                                           Jobs& jobs);

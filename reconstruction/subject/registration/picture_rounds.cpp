@@ -55,7 +55,7 @@ PictureRounds::PictureRounds(const RegisterInput& input, const RegisterSettings&
     }
     outlines_.resize(shown_.size());
     jobs.forBlocks(shown_.size(), [&](size_t i, uint32_t) {
-        outlines_[i] = frameOutlines(*input.frames[shown_[i]].picture, input.outlineLabels, kOutlineSidePx);
+        outlines_[i] = frameOutlines(**input.frames[shown_[i]].picture.get(), input.outlineLabels, kOutlineSidePx);
     });
     pxPerM_.resize(shown_.size()), blurPx_.resize(shown_.size());
     views_.resize(shown_.size()), images_.resize(shown_.size());
@@ -70,7 +70,7 @@ void PictureRounds::start(const FramePoses& poses, double blurPx) {
     jobs_.forBlocks(all.size(), [&](size_t i, uint32_t) {
         blurPx_[i] = blurPx * std::clamp(pxPerM_[i] / usual, 0.25, 8.0);
         views_[i] = viewOf(i, drawn[i]);
-        images_[i] = contrastImage(*input_.frames[shown_[i]].picture, blurPx_[i]);
+        images_[i] = contrastImage(**input_.frames[shown_[i]].picture.get(), blurPx_[i]);
     });
     std::vector<StillContrast> observed;
     for (const size_t i : stills_) observed.push_back({views_[i].seen, &images_[i]});

@@ -13,14 +13,30 @@ namespace {
 
 constexpr uint32_t kPictureSidePx = 640;  // larger pictures are reduced: poses need no finer ones
 
-/** Keeps the pictures and keypoints of frames that are reduced to kPictureSidePx. */
+/** A picture of the camera's size, reduced to kPictureSidePx. */
+Result<std::shared_ptr<const FramePicture>> smallPicture(const LazyPicture& lazy, const Camerad& camera) {
+    DPL_TRY(auto picture, lazy.get());
+    if (picture->image.widthPx != camera.widthPx || picture->image.heightPx != camera.heightPx)
+        return fail(Code::InvalidArgument, "a picture has not the size of its camera");
+    if (std::max(camera.widthPx, camera.heightPx) <= kPictureSidePx) return picture;
+    return std::make_shared<const FramePicture>(reducedPicture(*picture, kPictureSidePx));
+}
+
+/** The frames at the size at which they are registered, at most kPictureSidePx. Their pictures lie in memory, so get() has no error. */
 class ReducedFrames {
 public:
-    RegisterInput reduce(RegisterInput input, Jobs& jobs) {
-        pictures_.resize(input.frames.size());
+    Result<RegisterInput> reduce(RegisterInput input, Jobs& jobs) {
+        std::vector<Status> read(input.frames.size());
         keypoints_.resize(input.frames.size());
         jobs.forBlocks(input.frames.size(), [&](size_t f, uint32_t) {
             RegisterFrame& frame = input.frames[f];
+            if (frame.picture) {
+                auto small = smallPicture(frame.picture, frame.camera);
+                if (small)
+                    frame.picture = LazyPicture(std::move(*small));
+                else
+                    read[f] = small.error();
+            }
             const uint32_t side = std::max(frame.camera.widthPx, frame.camera.heightPx);
             if (side <= kPictureSidePx) return;
             const Camerad whole = frame.camera;
@@ -30,15 +46,12 @@ public:
                 keypoints_[f].push_back(k);
             }
             frame.keypoints = keypoints_[f];
-            if (!frame.picture) return;
-            pictures_[f] = reducedPicture(*frame.picture, kPictureSidePx);
-            frame.picture = &pictures_[f];
         });
+        for (const Status& status : read) DPL_RETURN_IF_ERROR(status);
         return input;
     }
 
 private:
-    std::vector<FramePicture> pictures_;
     std::vector<std::vector<Keypoint>> keypoints_;
 };
 
@@ -56,9 +69,6 @@ Status checkInput(const RegisterInput& input) {
         if (!frame.keypoints.empty() && frame.keypoints.size() != input.keypointNames.size())
             return fail(Code::InvalidArgument, "a frame with {} keypoints, the scan names {}", frame.keypoints.size(),
                         input.keypointNames.size());
-        if (frame.picture &&
-            (frame.picture->image.widthPx != frame.camera.widthPx || frame.picture->image.heightPx != frame.camera.heightPx))
-            return fail(Code::InvalidArgument, "a picture has not the size of its camera");
         DPL_RETURN_IF_ERROR(checkPose(input.body->joints, frame.pose));
     }
     return {};
@@ -69,7 +79,7 @@ Status checkInput(const RegisterInput& input) {
 Result<Registration> registerFrames(const RegisterInput& given, const RegisterSettings& settings, Jobs& jobs) {
     DPL_RETURN_IF_ERROR(checkInput(given));
     ReducedFrames reduced;
-    const RegisterInput input = reduced.reduce(given, jobs);
+    DPL_TRY(const RegisterInput input, reduced.reduce(given, jobs));
     FramePoses poses(input);
     Registration result;
     result.precisions.resize(input.frames.size());

@@ -11,8 +11,8 @@
 #include <functional>
 #include <string_view>
 
-#include "reconstruction/input/capture/frame_picture.h"
 #include "reconstruction/input/capture/pose_precision.h"
+#include "reconstruction/input/capture/train_frame.h"
 #include "reconstruction/subject/body/fit_body.h"
 #include "sdk/core/jobs.h"
 
@@ -21,11 +21,11 @@ namespace dpl {
 struct RegisterFrame {
     FrameKind kind = FrameKind::Dynamic;
     double timeS = 0;
-    Camerad camera;                         // metric
-    Pose pose;                              // start
-    const FramePicture* picture = nullptr;  // null: the frame is posed by its keypoints alone
-    std::span<const Keypoint> keypoints;    // in the order of keypointNames; empty: none
-    Split split = Split::Train;  // others than training frames must bring no picture; no frame of an earlier split depends on them
+    Camerad camera;                       // metric
+    Pose pose;                            // start
+    LazyPicture picture;                  // none: the frame is posed by its keypoints alone
+    std::span<const Keypoint> keypoints;  // in the order of keypointNames; empty: none
+    Split split = Split::Train;           // others than training frames must bring no picture; no frame of an earlier split depends on them
 };
 
 struct RegisterInput {
@@ -60,7 +60,8 @@ struct Registration {
 
 /** Registers all training frames together. Validation frames are solved afterwards by their keypoints, between their neighbours, and test
  *  frames after them. A moving frame without keypoints and without picture is placed by its neighbours. Without any picture the result is
- * that of keypoints alone. Deterministic, on any number of threads. Errors: InvalidArgument for sizes that do not match; Cancelled. */
+ * that of keypoints alone. Deterministic, on any number of threads. Errors: InvalidArgument for sizes that do not match;
+ *  a picture cannot be read; Cancelled. */
 Result<Registration> registerFrames(const RegisterInput& input, const RegisterSettings& settings, Jobs& jobs);
 
 }  // namespace dpl

@@ -139,14 +139,19 @@ Status checkLearned(const Learned& learned, const CoOptimiseInput& input, uint32
 
 }  // namespace
 
+void CoOptimiser::State::hashPicture(const FramePicture& picture) {
+    for (const std::vector<uint8_t>* pixels : {&picture.image.pixels, &picture.mask.pixels, &picture.labels.pixels})
+        pictureHashes.push_back(XXH3_64bits(pixels->data(), pixels->size()));
+}
+
 uint64_t CoOptimiser::State::fingerprint() const {
     Writer w;
     visitFields(settings, SettingsWriter{w});
     putArray(w, input.mesh.restPositions), putArray(w, input.mesh.triangles), putArray(w, input.triangleLabel);
     putCorrectiveModel(w, input.correctives);
-    for (const TrainFrame& f : input.frames) {
-        for (const std::vector<uint8_t>* pixels : {&f.picture->image.pixels, &f.picture->mask.pixels, &f.picture->labels.pixels})
-            w.value(XXH3_64bits(pixels->data(), pixels->size()));
+    for (size_t i = 0; i < input.frames.size(); ++i) {
+        const TrainFrame& f = input.frames[i];
+        for (size_t plane = 0; plane < 3; ++plane) w.value(pictureHashes[3 * i + plane]);
         w.value(f.camera.viewFromWorldRotation), w.value(f.camera.viewFromWorldTranslation);
         w.value(f.camera.fx), w.value(f.camera.fy), w.value(f.camera.cx), w.value(f.camera.cy), w.value(f.kind);
         putArray(w, f.pose.localRotations), w.value(f.pose.rootTranslation);
@@ -203,7 +208,7 @@ Status CoOptimiser::restore(const std::filesystem::path& path) {
     splats.indexTriangles(s.mesh.triangles.size());
     splats.activateAll(s.jobs);
     s.learned.layer.adam.stride = splats.stride;
-    s.levelIndex = -1, s.orderEpoch = ~0ull;
+    s.orderEpoch = ~0ull;
     s.applyOffsets();
     return {};
 }

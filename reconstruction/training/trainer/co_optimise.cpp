@@ -70,7 +70,8 @@ Status CoOptimiser::State::prepare() {
         return fail(Code::InvalidArgument, "the schedule needs a level and geometryEvery of at least 1");
     for (uint32_t i = 0; i < input.frames.size(); ++i) {
         const TrainFrame& f = input.frames[i];
-        DPL_RETURN_IF_ERROR(checkTrainFrame(f));
+        DPL_TRY(const auto picture, checkedPicture(f));
+        hashPicture(*picture);
         if (auto status = checkPose(input.joints, f.pose); !status)
             return fail(status.error().code, "frame '{}': {}", f.name, status.error().message);
         DPL_RETURN_IF_ERROR(checkPrecision(f, input.joints.size()));
@@ -78,7 +79,7 @@ Status CoOptimiser::State::prepare() {
         AdamVector& adam = learned.frames.back().adamPose;
         adam.first.assign(f.precision ? f.precision->size() : 3 * input.joints.size() + 3, 0.0);
         adam.second = adam.first;
-        if (std::any_of(f.picture->mask.pixels.begin(), f.picture->mask.pixels.end(), isPerson)) usedFrames.push_back(i);
+        if (std::any_of(picture->mask.pixels.begin(), picture->mask.pixels.end(), isPerson)) usedFrames.push_back(i);
     }
     if (usedFrames.empty())
         return fail(Code::InvalidArgument, "none of the {} training frames has a person in its mask", input.frames.size());
@@ -109,11 +110,11 @@ Result<std::unique_ptr<CoOptimiser>> CoOptimiser::create(CoOptimiseInput input, 
     auto state = std::make_unique<State>(std::move(input), settings, jobs);
     DPL_RETURN_IF_ERROR(state->prepare());
     State& s = *state;
-    TriangleSight sight = triangleSight(s.input.joints, s.mesh, s.input.triangleLabel, s.input.frames, jobs);
+    DPL_TRY(const TriangleSight sight, triangleSight(s.input.joints, s.mesh, s.input.triangleLabel, s.input.frames, jobs));
     const std::vector<uint8_t> backs = seenBacks(s.input.joints, s.mesh, posesThatShowBacks(s.input), jobs);
     const std::vector<uint8_t> flags = triangleFlags(s.mesh.restPositions, s.mesh.triangles, s.input.triangleLabel, backs, s.settings.init);
-    TrainableSplats first =
-        initialSplats(s.input.joints, s.mesh, s.input.triangleLabel, flags, sight, s.input.frames, s.settings.init, s.settings.seed, jobs);
+    DPL_TRY(TrainableSplats first, initialSplats(s.input.joints, s.mesh, s.input.triangleLabel, flags, sight, s.input.frames,
+                                                 s.settings.init, s.settings.seed, jobs));
     holdBareVertices(s.mesh, first, s.learned.layer.correctives);
     s.chooseLearners(sight.seen);
     s.start(std::move(first));
@@ -130,7 +131,7 @@ Result<std::unique_ptr<CoOptimiser>> CoOptimiser::createFrom(CoOptimiseInput inp
         splats.scaleM.size() != n || splats.opacity.size() != n || splats.flags.size() != n ||
         splats.sh.size() != n * shCoefficientCount(splats.shDegree) * 3)
         return fail(Code::InvalidArgument, "the splats do not fit the mesh of {} triangles", s.mesh.triangles.size());
-    TriangleSight sight = triangleSight(s.input.joints, s.mesh, s.input.triangleLabel, s.input.frames, jobs);
+    DPL_TRY(const TriangleSight sight, triangleSight(s.input.joints, s.mesh, s.input.triangleLabel, s.input.frames, jobs));
     TrainableSplats first = TrainableSplats::fromSplatData(splats, sight.sizeFloorM);
     first.activateAll(jobs);
     s.chooseLearners(sight.seen);
@@ -164,20 +165,13 @@ float CoOptimiser::State::decay(float end) const {
     return std::pow(end, float(learned.step) / float(settings.steps));
 }
 
-void CoOptimiser::State::selectLevel() {
+Status CoOptimiser::State::selectLevel() {
     const float at = float(learned.step) / float(settings.steps);
     const int last = int(settings.levelStarts.size()) - 1;
     int index = last;
     if (!settings.fullResolutionOnly)
         while (index > 0 && settings.levelStarts[size_t(index)] > at) --index;
-    if (index == levelIndex) return;
-    levelIndex = index;
-    level.assign(input.frames.size(), {});
-    jobs.forBlocks(usedFrames.size(), [&](size_t i, uint32_t) {
-        const TrainFrame& f = input.frames[usedFrames[i]];
-        const float first = coarsestScale(f), scale = last > 0 ? first + (1 - first) * float(index) / float(last) : 1.0f;
-        level[usedFrames[i]] = makeLevelFrame(f, scale, settings.init.clothLabels, index == last);
-    });
+    return levels.select(index, last, usedFrames);
 }
 
 /** The frame of a step. An epoch visits every frame once, in an order that depends on (seed, epoch) only. */
@@ -199,8 +193,9 @@ Status CoOptimiser::State::stepOnce() {
     uint32_t& step = learned.step;
     const auto lastEpoch = uint32_t(std::min<size_t>(settings.steps, usedFrames.size()));
     if (step + lastEpoch == settings.steps) pass.times = {}, profile = {};
-    selectLevel();
+    DPL_RETURN_IF_ERROR(selectLevel());
     const uint32_t frame = frameOf(step);
+    DPL_TRY(const LevelFrame* level, levels.at(frame));
     const TrainFrame& f = input.frames[frame];
     LossWeights weights = settings.loss;
     if (!settings.fullResolutionOnly && step < settings.steps / 4) weights.mask *= settings.earlyMaskFactor;
@@ -210,12 +205,12 @@ Status CoOptimiser::State::stepOnce() {
                            float(hashUniform(settings.seed, kBackgroundStream, at + 2)));
     const PassSubject subject{layer.splats, mesh, layer.correctives, input.joints, bind, incidence};
     const bool geometry = settings.learnGeometry || settings.learnPoses || learnsCorrectives();
-    const LossValues loss = pass.run(subject, learned.frames[frame].pose, level[frame], weights, background, geometry);
+    const LossValues loss = pass.run(subject, learned.frames[frame].pose, *level, weights, background, geometry);
     if (!std::isfinite(loss.total)) return fail(Code::Internal, "training step {} (frame '{}'): the loss is not finite", step, f.name);
 
     const auto update = std::chrono::steady_clock::now();
-    if (settings.learnSplats) updateSplats(frame);
-    if (settings.learnPoses) updatePose(frame, loss.total);
+    if (settings.learnSplats) updateSplats(frame, *level);
+    if (settings.learnPoses) updatePose(frame, *level, loss.total);
     if (geometry) pullGarments();
     if (settings.learnGeometry) {
         const auto& g = pass.restGradient();
@@ -249,13 +244,13 @@ Status CoOptimiser::State::stepOnce() {
     return {};
 }
 
-void CoOptimiser::State::updateSplats(uint32_t frame) {
+void CoOptimiser::State::updateSplats(uint32_t frame, const LevelFrame& level) {
     SplatBackward& b = pass.splatBackward();
     TrainableSplats& splats = learned.layer.splats;
     DensityStatistics& statistics = learned.layer.statistics;
     const bool counts = input.frames[frame].kind != FrameKind::Dynamic || onlyMoving;
     const float halfHeight =
-        0.5f * float(level[frame].camera.fy) / float(input.frames[frame].camera.fy) * float(input.frames[frame].camera.heightPx);
+        0.5f * float(level.camera.fy) / float(input.frames[frame].camera.fy) * float(input.frames[frame].camera.heightPx);
     std::vector<float> rate(splats.stride, 0.0f);
     const float colour = decay(settings.endColour);
     if (settings.learnPlacement) {
@@ -291,11 +286,11 @@ void CoOptimiser::State::updateSplats(uint32_t frame) {
     });
 }
 
-void CoOptimiser::State::updatePose(uint32_t frame, double loss) {
+void CoOptimiser::State::updatePose(uint32_t frame, const LevelFrame& level, double loss) {
     LearnedFrame& own = learned.frames[frame];
     const TrainFrame& given = input.frames[frame];
     const double fall = decay(settings.endPose);
-    const PosePull pull{given.pose, given.precision.get(), lossPerNat(loss, level[frame].personPx, priors::kTrainedPictureTrust)};
+    const PosePull pull{given.pose, given.precision.get(), lossPerNat(loss, level.personPx, priors::kTrainedPictureTrust)};
     stepPose(own.pose, own.adamPose, pass.poseGradient(), {settings.rateRotation * fall, settings.rateTranslation * fall}, pull);
 }
 
@@ -391,7 +386,7 @@ Status CoOptimiser::run(const std::function<void(const CoOptimiseProgress&)>& pr
         if (progress && (now.step % std::max(1u, reportEvery) == 0 || now.step == s.settings.steps)) {
             CoOptimiseProgress p;
             p.step = now.step, p.steps = s.settings.steps, p.splats = now.layer.splats.count();
-            p.scale = s.level[s.usedFrames[0]].scale;
+            p.scale = s.levels.scaleOf(s.usedFrames[0]);
             p.recent = now.sums.steps > 0 || now.curve.empty() ? s.recentPoint() : now.curve.back();
             progress(p);
         }

@@ -16,6 +16,7 @@
 #include "reconstruction/training/trainer/density.h"
 #include "reconstruction/training/trainer/frame_pass.h"
 #include "reconstruction/training/trainer/init.h"
+#include "reconstruction/training/trainer/level_frames.h"
 #include "reconstruction/training/trainer/priors.h"
 #include "reconstruction/training/trainer/regularisers.h"
 
@@ -24,11 +25,12 @@ namespace dpl {
 /** What is trained, and from which pictures. Training does not change it. */
 struct CoOptimiseInput {
     std::vector<JointData> joints;
-    MeshData mesh;                       // template at rest; weights already quantised to 4 × unorm8
-    PoseCorrectiveData correctives;      // start values (nodes usually zero); empty: none are learned
-    std::vector<uint8_t> triangleLabel;  // F label values of the scan, or empty: all body
-    std::vector<TrainFrame> frames;      // training frames only
-    std::vector<Pose> stress;            // poses that garments are also pulled out of the body in; may be empty
+    MeshData mesh;                                        // template at rest; weights already quantised to 4 × unorm8
+    PoseCorrectiveData correctives;                       // start values (nodes usually zero); empty: none are learned
+    std::vector<uint8_t> triangleLabel;                   // F label values of the scan, or empty: all body
+    std::vector<TrainFrame> frames;                       // training frames only
+    std::vector<Pose> stress;                             // poses that garments are also pulled out of the body in; may be empty
+    uint64_t levelBoundBytes = LevelFrames::kBoundBytes;  // memory for frames at the current level; changes no result
 };
 
 /** The input for training `avatar` on. frames: with the poses that it was trained with. */

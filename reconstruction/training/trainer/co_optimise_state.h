@@ -11,7 +11,8 @@
 namespace dpl {
 
 struct CoOptimiser::State {
-    State(CoOptimiseInput in, const CoOptimiseSettings& s, Jobs& j) : input(std::move(in)), settings(s), jobs(j), pass(j) {}
+    State(CoOptimiseInput in, const CoOptimiseSettings& s, Jobs& j)
+        : input(std::move(in)), settings(s), jobs(j), levels(input.frames, s.init.clothLabels, input.levelBoundBytes, j), pass(j) {}
 
     // Constant during the run.
     const CoOptimiseInput input;
@@ -25,14 +26,14 @@ struct CoOptimiser::State {
     std::optional<LargeSteps> largeSteps;
     std::optional<GarmentCollision> collision;
     std::vector<uint32_t> usedFrames;
-    bool onlyMoving = false;  // no still frame is used
+    std::vector<uint64_t> pictureHashes;  // of every frame its image, its mask and its labels
+    bool onlyMoving = false;              // no still frame is used
 
     Learned learned;  // what a checkpoint stores
 
     // Derived from the members above.
     MeshData mesh;  // input.mesh with the learned offsets ΔVˢ added
-    std::vector<LevelFrame> level;
-    int levelIndex = -1;
+    LevelFrames levels;
     std::vector<uint32_t> order;
     uint64_t orderEpoch = ~0ull;
     std::vector<Vec3f> collisionGradient;  // of this step, on rest positions; empty in steps without
@@ -53,10 +54,11 @@ struct CoOptimiser::State {
         return input.mesh.layers.empty() ? uint32_t(input.mesh.restPositions.size()) : input.mesh.layers.front().vertexCount;
     }
     bool learnsCorrectives() const { return settings.learnCorrectives && !input.correctives.empty(); }
-    void selectLevel();
+    Status selectLevel();
     uint32_t frameOf(uint32_t atStep);
-    void updateSplats(uint32_t frame);
-    void updatePose(uint32_t frame, double loss);
+    void updateSplats(uint32_t frame, const LevelFrame& level);
+    void updatePose(uint32_t frame, const LevelFrame& level, double loss);
+    void hashPicture(const FramePicture& picture);
     void updateOffsets();
     void updateCorrectives();
     float decay(float end) const;

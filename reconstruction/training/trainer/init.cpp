@@ -60,8 +60,8 @@ public:
         for (const uint8_t label : labels) worn_[label] = true;
     }
     /** False where the picture shows what another part of the mesh stands for. Labels without triangles of their own fit everywhere. */
-    bool fits(uint32_t triangle, const TrainFrame& frame, size_t pixel) const {
-        const std::vector<uint8_t>& shown = frame.picture->labels.pixels;
+    bool fits(uint32_t triangle, const FramePicture& picture, size_t pixel) const {
+        const std::vector<uint8_t>& shown = picture.labels.pixels;
         return labels_.empty() || shown.empty() || shown[pixel] == labels_[triangle] || !worn_[shown[pixel]];
     }
 
@@ -148,17 +148,18 @@ std::vector<uint8_t> triangleFlags(std::span<const Vec3f> restPositions, std::sp
     return flags;
 }
 
-TriangleSight triangleSight(std::span<const JointData> joints, const MeshData& mesh, std::span<const uint8_t> labels,
-                            std::span<const TrainFrame> frames, Jobs& jobs) {
+Result<TriangleSight> triangleSight(std::span<const JointData> joints, const MeshData& mesh, std::span<const uint8_t> labels,
+                                    std::span<const TrainFrame> frames, Jobs& jobs) {
     const LabelCheck check(labels);
     std::vector<float> density(mesh.triangles.size(), 0.0f), shownM2(mesh.triangles.size(), 0.0f);
     std::vector<Vec3f> posed;
     for (const TrainFrame& f : frames) {
+        DPL_TRY(const auto picture, checkedPicture(f));
         posedPositions(joints, mesh, f.pose, jobs, posed);
         const MeshRaster raster = rasteriseMesh(posed, mesh.triangles, f.camera);
         for (size_t i = 0; i < raster.triangle.size(); ++i) {
             const uint32_t t = raster.triangle[i];
-            if (t == kNoTriangle || !isPerson(f.picture->mask.pixels[i]) || !check.fits(t, f, i)) continue;
+            if (t == kNoTriangle || !isPerson(picture->mask.pixels[i]) || !check.fits(t, *picture, i)) continue;
             const float pixelsAMetre = float(f.camera.fx) / raster.depthM[i];
             density[t] = std::max(density[t], pixelsAMetre);
             shownM2[t] += 1 / (pixelsAMetre * pixelsAMetre);
@@ -180,9 +181,9 @@ TriangleSight triangleSight(std::span<const JointData> joints, const MeshData& m
     return sight;
 }
 
-TrainableSplats initialSplats(std::span<const JointData> joints, const MeshData& mesh, std::span<const uint8_t> labels,
-                              std::span<const uint8_t> flags, const TriangleSight& sight, std::span<const TrainFrame> frames,
-                              const InitSettings& settings, uint64_t seed, Jobs& jobs) {
+Result<TrainableSplats> initialSplats(std::span<const JointData> joints, const MeshData& mesh, std::span<const uint8_t> labels,
+                                      std::span<const uint8_t> flags, const TriangleSight& sight, std::span<const TrainFrame> frames,
+                                      const InitSettings& settings, uint64_t seed, Jobs& jobs) {
     const size_t triangleCount = mesh.triangles.size();
     const std::vector<std::vector<uint32_t>> neighbours = triangleNeighbours(mesh);
     const std::vector<uint8_t> shown = drawnTriangles(mesh, sight.seen, neighbours);
@@ -223,6 +224,7 @@ TrainableSplats initialSplats(std::span<const JointData> joints, const MeshData&
     std::vector<float> weight(count, 0.0f);
     std::vector<Vec3f> posed;
     for (const TrainFrame& f : frames) {
+        DPL_TRY(const auto picture, checkedPicture(f));
         posedPositions(joints, mesh, f.pose, jobs, posed);
         const MeshRaster raster = rasteriseMesh(posed, mesh.triangles, f.camera);
         const Vec3d eye = f.camera.eye();
@@ -237,15 +239,15 @@ TrainableSplats initialSplats(std::span<const JointData> joints, const MeshData&
                 const Vec2d px = f.camera.pixelOf(view);
                 if (!(px.x >= 1 && px.y >= 1 && px.x < f.camera.widthPx - 1.0 && px.y < f.camera.heightPx - 1.0)) continue;
                 const size_t pixel = size_t(px.y) * f.camera.widthPx + size_t(px.x);
-                if (!isPerson(f.picture->mask.pixels[pixel]) || !(std::abs(raster.depthM[pixel] - view.z) < 0.01)) continue;
-                if (!check.fits(s.triangle[i], f, pixel)) continue;
+                if (!isPerson(picture->mask.pixels[pixel]) || !(std::abs(raster.depthM[pixel] - view.z) < 0.01)) continue;
+                if (!check.fits(s.triangle[i], *picture, pixel)) continue;
                 const Vec3f cross = glm::cross(posed[c.y] - posed[c.x], posed[c.z] - posed[c.x]);
                 const float length = glm::length(cross);
                 const Vec3f toEye = glm::normalize(Vec3f(eye) - p);
                 const float cosine = length > 0 ? glm::dot(cross, toEye) / length : 0;
                 if (cosine < 0.2f) continue;
                 const float w = trust * cosine * cosine / float(view.z);
-                const uint8_t* rgb = f.picture->image.pixels.data() + pixel * 3;
+                const uint8_t* rgb = picture->image.pixels.data() + pixel * 3;
                 sum[i] += w / 255.0f * Vec3f(rgb[0], rgb[1], rgb[2]);
                 weight[i] += w;
             }

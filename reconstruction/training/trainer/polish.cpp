@@ -32,10 +32,11 @@ Result<AvatarData> polish(AvatarData avatar, std::vector<uint8_t> triangleLabel,
 }
 
 Result<PoseFitResult> fitPose(const AvatarData& avatar, const TrainFrame& frame, const PoseFitSettings& settings, Jobs& jobs) {
-    DPL_RETURN_IF_ERROR(checkTrainFrame(frame));
+    DPL_TRY(const auto picture, checkedPicture(frame));
     DPL_RETURN_IF_ERROR(checkPose(avatar.joints, frame.pose));
     DPL_RETURN_IF_ERROR(checkPrecision(frame, avatar.joints.size()));
-    LevelFrame coarse = makeLevelFrame(frame, std::max(0.5f, coarsestScale(frame)), {}, false), fine = makeLevelFrame(frame, 1, {}, true);
+    LevelFrame coarse = makeLevelFrame(frame, *picture, std::max(0.5f, coarsestScale(frame)), {}, false),
+               fine = makeLevelFrame(frame, *picture, 1, {}, true);
     coarse.kappaPx2 = fine.kappaPx2 = avatar.kappaPx2;
     if (!fine.used) return fail(Code::InvalidArgument, "frame '{}': nobody is in its mask, so its pose cannot be fitted", frame.name);
     const std::vector<float> floors(avatar.mesh.triangles.size(), 0.0f);

@@ -63,7 +63,7 @@ std::vector<Pose> movingPoses(std::span<const TrainFrame> frames) {
     return poses;
 }
 
-Status checkTrainFrame(const TrainFrame& f) {
+Result<std::shared_ptr<const FramePicture>> checkedPicture(const TrainFrame& f) {
     const uint32_t w = f.camera.widthPx, h = f.camera.heightPx;
     if (w == 0 || h == 0 || !(f.camera.fx > 0) || !(f.camera.fy > 0))
         return fail(Code::InvalidArgument, "frame '{}': the camera has no size or focal length", f.name);
@@ -74,12 +74,13 @@ Status checkTrainFrame(const TrainFrame& f) {
         return {};
     };
     if (!f.picture) return fail(Code::InvalidArgument, "frame '{}' has no picture", f.name);
-    const ImageRgb8& image = f.picture->image;
-    const ImageGrey8 &mask = f.picture->mask, &labels = f.picture->labels;
+    DPL_TRY(auto picture, f.picture.get());
+    const ImageRgb8& image = picture->image;
+    const ImageGrey8 &mask = picture->mask, &labels = picture->labels;
     DPL_RETURN_IF_ERROR(check("image", image.widthPx, image.heightPx, image.pixels.size(), 3));
     DPL_RETURN_IF_ERROR(check("mask", mask.widthPx, mask.heightPx, mask.pixels.size(), 1));
     if (!labels.pixels.empty()) DPL_RETURN_IF_ERROR(check("label image", labels.widthPx, labels.heightPx, labels.pixels.size(), 1));
-    return {};
+    return picture;
 }
 
 Status checkPrecision(const TrainFrame& f, size_t jointCount) {
@@ -95,9 +96,10 @@ float coarsestScale(const TrainFrame& f) {
     return std::min(1.0f, std::max(0.1f, 160.0f / float(std::min(f.camera.widthPx, f.camera.heightPx))));
 }
 
-LevelFrame makeLevelFrame(const TrainFrame& f, float scale, std::span<const uint8_t> clothLabels, bool fullResolution) {
-    const ImageRgb8& image = f.picture->image;
-    const ImageGrey8 &mask = f.picture->mask, &labels = f.picture->labels;
+LevelFrame makeLevelFrame(const TrainFrame& f, const FramePicture& picture, float scale, std::span<const uint8_t> clothLabels,
+                          bool fullResolution) {
+    const ImageRgb8& image = picture.image;
+    const ImageGrey8 &mask = picture.mask, &labels = picture.labels;
     LevelFrame level;
     Camerad camera = f.camera.scaled(std::min(1.0f, scale));
     camera.widthPx = std::max(1u, camera.widthPx), camera.heightPx = std::max(1u, camera.heightPx);
@@ -134,8 +136,8 @@ LevelFrame makeLevelFrame(const TrainFrame& f, float scale, std::span<const uint
             areaAverage(width, height, columns, rows, [&](uint32_t x, uint32_t y) { return float(value(size_t(y) * width + x)); });
         std::transform(plane.begin(), plane.end(), out, toByte);
     };
-    const bool found = f.picture->maskFound, hasEdge = found || fullResolution;
-    const UnsureEdge edge = hasEdge ? unsureEdge(*f.picture) : UnsureEdge{};
+    const bool found = picture.maskFound, hasEdge = found || fullResolution;
+    const UnsureEdge edge = hasEdge ? unsureEdge(picture) : UnsureEdge{};
     const auto isUnsure = [&](size_t at) { return hasEdge && edge.unsure[at]; };
     const auto isShown = [&](size_t at) { return inside(at) || isUnsure(at); };
     for (size_t c = 0; c < 3; ++c) reduce([&](size_t at) { return isShown(at) ? image.pixels[at * 3 + c] : 0; }, &level.rgb[c * pixels]);

@@ -34,15 +34,16 @@ struct LevelFrame {
     PictureTarget target() const { return {widthPx, heightPx, rgb, mask, cloth, shown, unsure, behind, edgeMaskWeight}; }
 };
 
-/** Checks that image, mask and labels (unless empty) have the camera's size. The error names the frame. */
-Status checkTrainFrame(const TrainFrame& frame);
+/** The frame's picture, whose image, mask and labels (unless empty) have the camera's size. The error names the frame. */
+Result<std::shared_ptr<const FramePicture>> checkedPicture(const TrainFrame& frame);
 /** Checks that the precision, if there is one, fits a rig of so many joints. The error names the frame. */
 Status checkPrecision(const TrainFrame& frame, size_t jointCount);
 
-/** The person's pixels at `scale`, as isPerson() of the mask says. clothLabels: label values that count as cloth. The mask's edge
- *  (unsure_edge.h) is marked at every resolution for masks that networks found, and for a scan's own if `fullResolution`: a pixel is too
- *  wide elsewhere. */
-LevelFrame makeLevelFrame(const TrainFrame& frame, float scale, std::span<const uint8_t> clothLabels, bool fullResolution);
+/** The person's pixels of the frame's picture at `scale`, as isPerson() of the mask says. clothLabels: label values that count as cloth.
+ * The mask's edge (unsure_edge.h) is marked at every resolution for masks that networks found, and for a scan's own if `fullResolution`: a
+ * pixel is too wide elsewhere. */
+LevelFrame makeLevelFrame(const TrainFrame& frame, const FramePicture& picture, float scale, std::span<const uint8_t> clothLabels,
+                          bool fullResolution);
 
 /** The scale of a frame at the coarsest level: its short side becomes 160 px, but the scale stays in [0.1, 1]. */
 float coarsestScale(const TrainFrame& frame);

@@ -65,7 +65,8 @@ protected:
     static std::vector<PosedPicture> pictures(const std::vector<Shown>& of, const std::function<bool(const Shown&)>& keep) {
         std::vector<PosedPicture> out;
         for (const Shown& s : of)
-            if (keep(s)) out.push_back({s.picture, s.camera, s.pose, s.kind == FrameKind::StaticCloseup});
+            if (keep(s))
+                out.push_back({std::make_shared<const FramePicture>(s.picture), s.camera, s.pose, s.kind == FrameKind::StaticCloseup});
         return out;
     }
     static std::vector<SeenTriangle> mapOf(const std::vector<PosedPicture>& of) {

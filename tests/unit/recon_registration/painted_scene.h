@@ -114,7 +114,7 @@ struct PaintedScene {
             }
             truth.push_back(pose);
             const Camerad camera = cameraAround(azimuth);
-            pictures[size_t(i)] = pictureOf(body.joints, mesh, pose, camera, jobs);
+            pictures[size_t(i)] = std::make_shared<FramePicture>(pictureOf(body.joints, mesh, pose, camera, jobs));
             for (const PosedKeypoint& k : posedKeypoints(body, pose, names)) {
                 keypoints[size_t(i)].push_back({});
                 if (!k.present) continue;
@@ -126,7 +126,7 @@ struct PaintedScene {
                 turn(start, "leftUpperArm", {0.06, 0.05, 0.7 * (1 - std::cos(phase)) + 0.08});
             }
             frames.push_back({isStill ? FrameKind::StaticFull : FrameKind::Dynamic, isStill ? 0.0 : 0.2 * (i - 12), camera, start,
-                              &pictures[size_t(i)], keypoints[size_t(i)], Split::Train});
+                              LazyPicture(pictures[size_t(i)]), keypoints[size_t(i)], Split::Train});
         }
     }
     PaintedScene(const PaintedScene&) = delete;
@@ -163,7 +163,7 @@ struct PaintedScene {
     std::vector<std::string> names;
     std::vector<uint8_t> rigid;
     std::vector<Pose> truth;
-    std::vector<FramePicture> pictures;
+    std::vector<std::shared_ptr<FramePicture>> pictures;  // of the frames
     std::vector<std::vector<Keypoint>> keypoints;
     std::vector<RegisterFrame> frames;
 };

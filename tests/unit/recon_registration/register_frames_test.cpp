@@ -22,7 +22,7 @@ TEST(RegisterFrames, picturesImproveOnKeypoints) {
     const auto with = scene.registered();
     ASSERT_TRUE(with) << with.error().message;
     for (RegisterFrame& frame : scene.frames)
-        if (frame.kind == FrameKind::Dynamic) frame.picture = nullptr;
+        if (frame.kind == FrameKind::Dynamic) frame.picture = {};
     const auto without = scene.registered();
     ASSERT_TRUE(without) << without.error().message;
     const double pictures = scene.errorMm(with->poses, FrameKind::Dynamic), keypoints = scene.errorMm(without->poses, FrameKind::Dynamic);
@@ -68,7 +68,7 @@ TEST(RegisterFrames, precisionsSayHowWellPosesAreKnown) {
     PaintedScene scene(6);
     RegisterSettings quick;
     quick.blursPx = {2}, quick.roundsPerBlur = 1;
-    scene.frames[2].split = Split::Test, scene.frames[2].picture = nullptr;  // a still frame that is not solved
+    scene.frames[2].split = Split::Test, scene.frames[2].picture = {};  // a still frame that is not solved
     const auto a = scene.registered(quick);
     ASSERT_TRUE(a) << a.error().message;
     ASSERT_EQ(a->precisions.size(), scene.frames.size());
@@ -104,9 +104,9 @@ TEST(RegisterFrames, heldOutFramesReachNoOther) {
     RegisterFrame& held = scene.frames[15];
     held.split = Split::Test;
     scene.frames[14].split = Split::Validation;  // it does not depend on a test frame either
-    scene.frames[14].picture = nullptr;
+    scene.frames[14].picture = {};
     EXPECT_FALSE(scene.registered(quick)) << "its picture must not even be given";
-    held.picture = nullptr;
+    held.picture = {};
     const auto a = scene.registered(quick);
     ASSERT_TRUE(a) << a.error().message;
     for (Keypoint& k : scene.keypoints[15]) k.px = {20, 30};
@@ -157,7 +157,7 @@ TEST(RegisterFrames, searchNeedsNoPicture) {
     PaintedScene scene(4, true, 7, 0.8);
     RegisterInput input = scene.input();
     input.searchLimbs = true;
-    for (RegisterFrame& frame : input.frames) frame.picture = nullptr;
+    for (RegisterFrame& frame : input.frames) frame.picture = {};
     for (Keypoint& k : scene.keypoints.back()) k.px += Vec2d(8, 0);  // doubted
     input.frames.back().split = Split::Test;
     const auto result = registerFrames(input, {}, scene.jobs);
@@ -203,15 +203,15 @@ TEST(RegisterFrames, hardCases) {
     PaintedScene one(1), same(4, /*moves=*/false), empty(5), none(5), wrong(5);
     check(one, "one moving frame", 22);
     check(same, "all frames in one pose", 22);
-    for (FramePicture* p = &empty.pictures[12]; p <= &empty.pictures.back(); ++p)
-        std::fill(p->mask.pixels.begin(), p->mask.pixels.end(), 0);
+    for (size_t f = 12; f < empty.pictures.size(); ++f)
+        std::fill(empty.pictures[f]->mask.pixels.begin(), empty.pictures[f]->mask.pixels.end(), 0);
     check(empty, "empty masks", 25);
     none.frames[14].keypoints = {};
     check(none, "a frame without keypoints", 22);
     for (size_t k = 0; k < wrong.keypoints[14].size(); k += 3) wrong.keypoints[14][k].px += Vec2d(60, -40);
     check(wrong, "a third of a frame's keypoints are wrong", 25);
     PaintedScene bare(3);
-    for (RegisterFrame& frame : bare.frames) frame.picture = nullptr, frame.keypoints = {};
+    for (RegisterFrame& frame : bare.frames) frame.picture = {}, frame.keypoints = {};
     const auto untouched = bare.registered(quick);
     ASSERT_TRUE(untouched) << untouched.error().message;
     for (const Pose& pose : untouched->poses) EXPECT_TRUE(finite(pose));
@@ -232,7 +232,7 @@ TEST(RegisterFrames, refusesSizesThatDoNotMatch) {
 
 TEST(RegisterFrames, largePicturesAreReduced) {
     PaintedScene scene(1);
-    const FramePicture small = scene.pictures[0];
+    const FramePicture small = *scene.pictures[0];
     FramePicture large;
     const uint32_t times = 4;
     large.image = {small.image.widthPx * times, small.image.heightPx * times, {}};
@@ -245,7 +245,7 @@ TEST(RegisterFrames, largePicturesAreReduced) {
         }
     RegisterSettings quick;
     quick.blursPx = {2}, quick.roundsPerBlur = 1;
-    scene.pictures[0] = large;
+    *scene.pictures[0] = large;
     scene.frames[0].camera = scene.frames[0].camera.scaled(times);
     for (Keypoint& k : scene.keypoints[0]) k.px *= double(times);
     const auto result = scene.registered(quick);

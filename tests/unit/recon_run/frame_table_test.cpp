@@ -19,6 +19,32 @@ TEST(FrameTable, aHeldOutFrameWithoutAMaskIsNotScored) {
     EXPECT_TRUE(set->frames.empty());
 }
 
+TEST(FrameTable, framesOfASplitHoldNoPicture) {
+    test::ToyReconstruction toy;
+    toy.takePictures(toy.avatar);
+    toy.table.pictures = std::make_shared<PictureCache>(0);
+    const FrameSet set = toy.table.frames(Split::Train, toy.metric.cameras, toy.truth);
+    ASSERT_EQ(set.frames.size(), test::ToyReconstruction::kTrained);
+    std::vector<std::weak_ptr<const FramePicture>> seen;
+    for (const TrainFrame& frame : set.frames) {
+        const auto picture = frame.picture.get();
+        ASSERT_TRUE(picture) << picture.error().message;
+        EXPECT_EQ((*picture)->image.pixels, must(readFramePicture(toy.table.scan.frames[set.rows[seen.size()]])).image.pixels);
+        seen.push_back(*picture);
+    }
+    for (const auto& picture : seen) EXPECT_TRUE(picture.expired()) << "only whoever works on it holds a picture";
+}
+
+TEST(PictureCache, threadsThatAskTogetherGetOnePicture) {
+    test::ToyReconstruction toy;
+    toy.takePictures(toy.avatar);
+    PictureCache cache;
+    Jobs jobs(4);
+    std::vector<std::shared_ptr<const FramePicture>> got(64);
+    jobs.forBlocks(got.size(), [&](size_t i, uint32_t) { got[i] = must(cache.of(toy.table.scan.frames[i % 2])); });
+    for (size_t i = 2; i < got.size(); ++i) EXPECT_EQ(got[i], got[i - 2]);
+}
+
 TEST(PictureCache, keepsPicturesWithinItsBound) {
     test::ToyReconstruction toy;
     toy.takePictures(toy.avatar);

@@ -14,14 +14,16 @@ namespace {
 constexpr RetrainParts kNoLight{.correctiveOffsets = true, .correctiveLight = false};
 
 std::vector<TrainFrame> framesOfToy(ToyReconstruction& toy) {
-    return must(toy.table.frames(Split::Train, toy.metric.cameras, toy.truth)).frames;
+    return toy.table.frames(Split::Train, toy.metric.cameras, toy.truth).frames;
 }
 
 double scoreOf(const AvatarData& avatar, const std::vector<TrainFrame>& frames) {
     AvatarView view = must(AvatarView::open(bytesOf(avatar), 2));
     double sum = 0;
-    for (const TrainFrame& frame : frames)
-        sum += scorePicture(must(view.draw(frame.pose, frame.camera)), frame.picture->image, frame.picture->mask).maskedPsnrDb;
+    for (const TrainFrame& frame : frames) {
+        const auto picture = must(frame.picture.get());
+        sum += scorePicture(must(view.draw(frame.pose, frame.camera)), picture->image, picture->mask).maskedPsnrDb;
+    }
     return sum / double(frames.size());
 }
 

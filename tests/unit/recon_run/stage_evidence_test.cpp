@@ -15,7 +15,7 @@ Result<MeasuredParts> measure(ToyReconstruction& toy) {
     dpl::Run run(toy.chain, toy.jobs, toy.progress);
     toy.giveTrained(run);
     DPL_TRY(const FrameTable* table, run.get<FrameTable>());
-    DPL_TRY(FrameSet set, table->frames(Split::Train, toy.metric.cameras, toy.truth));
+    FrameSet set = table->frames(Split::Train, toy.metric.cameras, toy.truth);
     run.put(AssembledAvatar{toy.avatar, std::move(set.frames), {}}, toy.trainingKey);
     DPL_TRY(const MeasuredParts* measured, run.get<MeasuredParts>());
     return *measured;

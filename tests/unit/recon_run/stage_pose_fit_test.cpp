@@ -71,7 +71,7 @@ TEST_F(StagePoseFit, keepsTheTrainedPosesOfTrainingFrames) {
     ASSERT_TRUE(found) << found.error().message;
     ASSERT_EQ(found->poses.frames.size(), ToyReconstruction::kFrames);
     for (size_t f = 0; f < ToyReconstruction::kTrained; ++f) {
-        EXPECT_EQ(found->poses.frames[f].split, "train");
+        EXPECT_EQ(found->poses.frames[f].split, Split::Train);
         EXPECT_FALSE(found->poses.frames[f].fittedPose);
     }
     EXPECT_EQ(found->poses.frames[1].pose.rootTranslation, Vec3f(0.01f, 0.02f, 0.03f));

@@ -15,6 +15,7 @@
 #include "reconstruction/training/trainer/polish.h"
 #include "sdk/core/files.h"
 #include "sdk/math/sh.h"
+#include "tests/unit/must.h"
 #include "tests/unit/recon_trainer/toy_scene.h"
 
 namespace dpl::test {
@@ -276,7 +277,7 @@ TEST(CoOptimise, splatsThatNoPictureShowsStayAsTheyStarted) {
         in.triangleLabel.push_back(at[t.x].y + at[t.y].y + at[t.z].y < 0 ? kLeg : kSkirt);
     }
     in.frames = labelled(in.frames, kSkirt);
-    const TriangleSight sight = triangleSight(in.joints, in.mesh, in.triangleLabel, in.frames, jobs);
+    const TriangleSight sight = *triangleSight(in.joints, in.mesh, in.triangleLabel, in.frames, jobs);
     CoOptimiseSettings settings = toySettings(60);
     settings.densify = false;
     auto trainer = CoOptimiser::create(in, settings, jobs);
@@ -355,12 +356,12 @@ TEST(CoOptimise, badInputIsRefusedByName) {
         EXPECT_NE(t.error().message.find(word), std::string::npos) << t.error().message;
     };
     const auto change = [](TrainFrame& frame, auto&& how) {
-        FramePicture picture = *frame.picture;
+        FramePicture picture = **frame.picture.get();
         how(picture);
         frame.picture = std::make_shared<const FramePicture>(std::move(picture));
     };
     refuse([&](auto& in) { change(in.frames[2], [](FramePicture& p) { p.image.pixels.pop_back(); }); }, "toy_2");
-    refuse([](auto& in) { in.frames[3].picture = nullptr; }, "toy_3");
+    refuse([](auto& in) { in.frames[3].picture = {}; }, "toy_3");
     refuse([](auto& in) { in.frames[1].pose.localRotations[1].x = NAN; }, "toy_1");
     refuse([](auto& in) { in.mesh.restPositions[3].y = INFINITY; }, "vertex 3");
     refuse([](auto& in) { in.mesh.jointIndices[0].x = 9; }, "joint 9");
@@ -417,6 +418,28 @@ TEST(Polish, keepsMeshAndOrderAndLowersTheLoss) {
     }
     EXPECT_GT(moved, before.count());
     EXPECT_LT(lossOf(), 0.96 * dull);  // small gain: 120 small steps correct rounding, not whole colours
+}
+
+TEST(CoOptimise, picturesLiveWithinABoundAndTheResultIsTheSame) {
+    Jobs jobs(2);
+    const CoOptimiseInput kept = toyScene(jobs);
+    CoOptimiseInput bounded = kept;
+    PictureCounts counts;
+    bounded.frames = decodedOnDemand(bounded.frames, counts);
+    bounded.levelBoundBytes = 0;
+    const auto trained = [&](const CoOptimiseInput& input) {
+        auto trainer = must(CoOptimiser::create(input, toySettings(60), jobs));
+        const Status ran = trainer->run();
+        EXPECT_TRUE(ran);
+        return trainer->result();
+    };
+    const CoOptimiseResult a = trained(kept), b = trained(bounded);
+    EXPECT_EQ(a.splats.uv, b.splats.uv);
+    EXPECT_EQ(a.splats.sh, b.splats.sh);
+    EXPECT_EQ(a.restPositions, b.restPositions);
+    EXPECT_GT(counts.decoded, 60) << "one a step";
+    EXPECT_LE(counts.mostAlive, int(jobs.threadCount())) << "of " << kept.frames.size() << " pictures";
+    EXPECT_EQ(counts.alive, 0);
 }
 
 }  // namespace

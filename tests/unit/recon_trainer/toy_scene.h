@@ -2,6 +2,7 @@
 // A small skinned ball with a pattern, seen by a ring of cameras. The splat engine draws its pictures from known splats.
 #pragma once
 
+#include <atomic>
 #include <cmath>
 
 #include "reconstruction/training/trainer/co_optimise.h"
@@ -35,7 +36,7 @@ inline PoseCorrectiveData toyCorrectives(const MeshData& mesh) {
 /** The same frames with one label at every pixel. */
 inline std::vector<TrainFrame> labelled(std::vector<TrainFrame> frames, uint8_t label) {
     for (TrainFrame& frame : frames) {
-        FramePicture picture = *frame.picture;
+        FramePicture picture = **frame.picture.get();
         picture.labels.widthPx = picture.mask.widthPx, picture.labels.heightPx = picture.mask.heightPx;
         picture.labels.pixels.assign(picture.mask.pixels.size(), label);
         frame.picture = std::make_shared<const FramePicture>(std::move(picture));
@@ -54,7 +55,7 @@ inline CoOptimiseInput toyScene(Jobs& jobs, uint32_t frameCount = 8, float swayM
     InitSettings init;
     init.splatCount = 3000, init.shDegree = 0;
     const auto flags = triangleFlags(in.mesh.restPositions, in.mesh.triangles, {}, {}, init);
-    TrainableSplats splats = initialSplats(in.joints, in.mesh, {}, flags, sight, {}, init, 1, jobs);
+    TrainableSplats splats = *initialSplats(in.joints, in.mesh, {}, flags, sight, {}, init, 1, jobs);
     for (uint32_t i = 0; i < splats.count(); ++i) {
         const Triangle& t = in.mesh.triangles[splats.triangle[i]];
         const Vec3f p = (1 - splats.uv[i].x - splats.uv[i].y) * in.mesh.restPositions[t.x] + splats.uv[i].x * in.mesh.restPositions[t.y] +
@@ -103,6 +104,27 @@ inline CoOptimiseInput toyScene(Jobs& jobs, uint32_t frameCount = 8, float swayM
         in.frames.push_back(std::move(f));
     }
     return in;
+}
+
+/** Counts pictures that are decoded each time somebody asks for them. */
+struct PictureCounts {
+    std::atomic<int> decoded{0}, alive{0}, mostAlive{0};
+};
+
+/** The same frames, with pictures that nobody keeps. `counts` must outlive them. */
+inline std::vector<TrainFrame> decodedOnDemand(std::vector<TrainFrame> frames, PictureCounts& counts) {
+    for (TrainFrame& frame : frames)
+        frame.picture = LazyPicture([kept = *frame.picture.get(), &counts]() -> Result<std::shared_ptr<const FramePicture>> {
+            ++counts.decoded;
+            const int alive = ++counts.alive;
+            for (int most = counts.mostAlive; most < alive && !counts.mostAlive.compare_exchange_weak(most, alive);) {
+            }
+            return std::shared_ptr<const FramePicture>(new FramePicture(*kept), [&counts](const FramePicture* picture) {
+                --counts.alive;
+                delete picture;
+            });
+        });
+    return frames;
 }
 
 inline CoOptimiseSettings toySettings(uint32_t steps) {

@@ -15,7 +15,7 @@ struct Given : TrainFrame {
 
 Given frame(uint32_t width, uint32_t height) {
     Given f;
-    f.picture = f.shown;
+    f.picture = LazyPicture(f.shown);
     f.name = "test";
     f.camera.widthPx = width, f.camera.heightPx = height, f.camera.fx = f.camera.fy = 100, f.camera.cx = width / 2.0,
     f.camera.cy = height / 2.0;
@@ -29,7 +29,7 @@ TEST(LevelFrame, cropsToThePersonPlusTenPercentAndKeepsTheRays) {
     Given f = frame(200, 300);
     for (uint32_t y = 100; y < 200; ++y)
         for (uint32_t x = 60; x < 110; ++x) f.shown->mask.pixels[y * 200 + x] = 255;
-    const LevelFrame full = makeLevelFrame(f, 1, {}, true);
+    const LevelFrame full = makeLevelFrame(f, *f.shown, 1, {}, true);
     EXPECT_EQ(full.leftPx, 50u);
     EXPECT_EQ(full.topPx, 90u);
     EXPECT_EQ(full.widthPx, 70u);
@@ -41,7 +41,7 @@ TEST(LevelFrame, cropsToThePersonPlusTenPercentAndKeepsTheRays) {
     EXPECT_EQ(std::accumulate(full.unsure.begin(), full.unsure.end(), 0), 255 * (2 * 50 + 2 * 98 + 2 * 50 + 2 * 100))
         << "the edge: one pixel inside, one outside";
     EXPECT_GT(full.edgeMaskWeight, 1);
-    const LevelFrame half = makeLevelFrame(f, 0.5f, {}, false);
+    const LevelFrame half = makeLevelFrame(f, *f.shown, 0.5f, {}, false);
     EXPECT_EQ(half.widthPx, 35u);
     EXPECT_TRUE(half.unsure.empty()) << "a pixel is too wide here";
     EXPECT_FLOAT_EQ(half.camera.fx, 50.0f);
@@ -56,7 +56,7 @@ TEST(LevelFrame, cropsToThePersonPlusTenPercentAndKeepsTheRays) {
 TEST(LevelFrame, areaAverageKeepsTheMean) {
     Given f = frame(97, 61);
     std::fill(f.shown->mask.pixels.begin(), f.shown->mask.pixels.end(), uint8_t(255));
-    const LevelFrame level = makeLevelFrame(f, 0.37f, {}, false);
+    const LevelFrame level = makeLevelFrame(f, *f.shown, 0.37f, {}, false);
     double a = 0, b = 0;
     for (uint8_t v : f.shown->image.pixels) a += v;
     for (uint8_t v : level.rgb) b += v;
@@ -71,11 +71,11 @@ TEST(LevelFrame, foundMasksHaveAnUnsureEdge) {
             for (uint32_t c = 0; c < 3; ++c) f.shown->image.pixels[(y * 400 + x) * 3 + c] = x >= 150 && x < 250 ? 200 : 40;
     for (uint32_t y = 50; y < 250; ++y)
         for (uint32_t x = 150; x < 251; ++x) f.shown->mask.pixels[y * 400 + x] = 255;
-    const LevelFrame given = makeLevelFrame(f, 1, {}, true);
+    const LevelFrame given = makeLevelFrame(f, *f.shown, 1, {}, true);
     EXPECT_EQ(given.unsure[size_t(150 - given.topPx) * given.widthPx + 247 - given.leftPx], 0)
         << "masks that a scan brings are exact to a pixel";
     f.shown->maskFound = true;
-    const LevelFrame full = makeLevelFrame(f, 1, {}, true);
+    const LevelFrame full = makeLevelFrame(f, *f.shown, 1, {}, true);
     const auto at = [&](uint32_t x) { return size_t(150 - full.topPx) * full.widthPx + x - full.leftPx; };
     for (const uint32_t x : {146u, 149u, 150u, 153u, 247u, 250u, 251u, 254u}) {
         EXPECT_EQ(full.unsure[at(x)], 255) << x;
@@ -88,16 +88,17 @@ TEST(LevelFrame, foundMasksHaveAnUnsureEdge) {
     EXPECT_EQ(full.shown[at(200)], 255);
     EXPECT_EQ(full.rgb[at(256)] + full.shown[at(256)], 0) << "background that is sure is random";
     EXPECT_EQ(full.edgeMaskWeight, 1) << "the mask is no surer than the picture";
-    const LevelFrame half = makeLevelFrame(f, 0.5f, {}, false);
+    const LevelFrame half = makeLevelFrame(f, *f.shown, 0.5f, {}, false);
     EXPECT_GT(std::accumulate(half.unsure.begin(), half.unsure.end(), size_t(0)), size_t(0));
     std::fill(f.shown->mask.pixels.begin(), f.shown->mask.pixels.end(), uint8_t(255));
     f.shown->mask.pixels[0] = 0;
-    const LevelFrame whole = makeLevelFrame(f, 1, {}, true);
+    const LevelFrame whole = makeLevelFrame(f, *f.shown, 1, {}, true);
     EXPECT_EQ(std::accumulate(whole.unsure.begin(), whole.unsure.end(), 0), 0) << "no background nearby: the mask decides";
 }
 
 TEST(LevelFrame, emptyMaskIsNotUsed) {
-    EXPECT_FALSE(makeLevelFrame(frame(20, 20), 1, {}, true).used);
+    const Given nobody = frame(20, 20);
+    EXPECT_FALSE(makeLevelFrame(nobody, *nobody.shown, 1, {}, true).used);
 }
 
 TEST(LevelFrame, coarsestIs160PixelsOrATenth) {
@@ -109,7 +110,7 @@ TEST(LevelFrame, coarsestIs160PixelsOrATenth) {
 TEST(LevelFrame, wrongSizesNameTheFrame) {
     Given f = frame(20, 10);
     f.shown->mask.pixels.pop_back();
-    const Status s = checkTrainFrame(f);
+    const auto s = checkedPicture(f);
     ASSERT_FALSE(s);
     EXPECT_NE(s.error().message.find("'test'"), std::string::npos);
 }
