@@ -2,8 +2,8 @@
 // doppel render: draws stills, turntables, clips and stereo pairs of an avatar, or every frame of a scan from the scan's own cameras.
 #include <chrono>
 #include <cmath>
-#include <cstdio>
 #include <numbers>
+#include <set>
 
 #include "apps/doppel/commands.h"
 #include "apps/doppel/talk.h"
@@ -62,15 +62,26 @@ struct Drawn {
     size_t frames = 0, empty = 0;  // empty: no splat covers a pixel
 };
 
+/** Makes the folder for frames, without those of an earlier run: fewer frames than before would leave some among the new ones. */
+Status makeFrameFolder(const fs::path& folder, const std::function<bool(const std::string&)>& isFrame, Progress& progress) {
+    DPL_RETURN_IF_ERROR(makeFolder(folder));
+    DPL_TRY(const size_t removed, removeFrames(folder, isFrame));
+    if (removed > 0) progress.note(formatText("removed {} frames of an earlier run from {}", removed, folder.string()));
+    return {};
+}
+
 /** --scan: one PNG with straight alpha per frame, named like the frame, from the camera of the reconstruction and the pose found for it. */
 Result<Drawn> renderScan(const RenderOptions& options, const doppel::Context& context, doppel::Avatar& avatar, Progress& progress) {
     const fs::path posesPath = options.poses.empty() ? options.avatar.parent_path() / "poses.json" : options.poses;
     DPL_TRY(const RunScan run, readRunScan(options.scan, posesPath));
-    DPL_RETURN_IF_ERROR(makeFolder(options.out));
     std::vector<size_t> frames;
     for (size_t f = 0; f < run.scan.frames.size(); ++f)
         if (options.split == "all" || splitName(run.scan.frames[f].split) == options.split) frames.push_back(f);
     if (frames.empty()) return fail(Code::NotFound, "{} has no frames of split '{}'", posesPath.string(), options.split);
+    std::set<std::string> names;  // of all splits: frames of another one would be scored with these
+    for (const ScanFrame& frame : run.scan.frames) names.insert(frame.name);
+    DPL_RETURN_IF_ERROR(makeFrameFolder(
+        options.out, [&](const std::string& name) { return names.contains(name); }, progress));
     Drawn drawn{frames.size()};
     progress.beginStage("render");
     for (size_t i = 0; i < frames.size(); ++i) {
@@ -159,7 +170,7 @@ Result<Drawn> renderShots(const RenderOptions& options, const doppel::Context& c
     const uint32_t viewCount = options.stereo ? 2 : 1, outWidthPx = size.widthPx * viewCount;
     if (video && (outWidthPx % 2 || size.heightPx % 2))
         return fail(Code::InvalidArgument, "--size {}: a video needs an even width and height, like 720x1280", options.size);
-    if (!still && !video) DPL_RETURN_IF_ERROR(makeFolder(options.out));
+    if (!still && !video) DPL_RETURN_IF_ERROR(makeFrameFolder(options.out, isFrameNumber, progress));
     std::optional<VideoWriter> writer;
     if (video) {
         DPL_TRY(auto opened, VideoWriter::open(options.out, outWidthPx, size.heightPx, options.framesPerSecond));
@@ -184,10 +195,9 @@ Result<Drawn> renderShots(const RenderOptions& options, const doppel::Context& c
             DPL_RETURN_IF_ERROR(writePng(options.out, pixels[0], size.widthPx, size.heightPx, 4));
         } else {
             const std::vector<uint8_t> rgb = sideBySide(pixels, size.widthPx, size.heightPx);
-            char name[32];
-            std::snprintf(name, sizeof name, "%05zu.png", i);
-            DPL_RETURN_IF_ERROR(video ? writer->write(rgb)
-                                      : writePng(still ? options.out : options.out / name, rgb, outWidthPx, size.heightPx, 3));
+            DPL_RETURN_IF_ERROR(
+                video ? writer->write(rgb)
+                      : writePng(still ? options.out : options.out / (frameNumber(i) + ".png"), rgb, outWidthPx, size.heightPx, 3));
         }
         progress.update(double(i + 1) / double(frameCount), formatText("frame {} of {}", i + 1, frameCount));
     }

@@ -129,6 +129,30 @@ bool isEmpty(std::span<const std::vector<uint8_t>> views) {
     });
 }
 
+std::string frameNumber(size_t i) {
+    const std::string digits = std::to_string(i);
+    return digits.size() < 5 ? std::string(5 - digits.size(), '0') + digits : digits;
+}
+
+bool isFrameNumber(const std::string& name) {
+    return name.size() <= 9 && !name.empty() && name.find_first_not_of("0123456789") == std::string::npos &&
+           frameNumber(std::stoul(name)) == name;
+}
+
+Result<size_t> removeFrames(const std::filesystem::path& folder, const std::function<bool(const std::string& name)>& isFrame) {
+    std::error_code error;
+    std::vector<std::filesystem::path> old;
+    for (std::filesystem::directory_iterator at(folder, error), end; !error && at != end; at.increment(error))
+        if (at->path().extension() == ".png" && isFrame(at->path().stem().string()) && at->is_regular_file(error))
+            old.push_back(at->path());
+    for (const std::filesystem::path& file : old)
+        if (!error && !std::filesystem::remove(file, error) && !error) return fail(Code::Io, "{} vanished; run again", file.string());
+    if (error)
+        return fail(Code::Io, "cannot remove the frames of an earlier run from {}: {}; name another folder", folder.string(),
+                    error.message());
+    return old.size();
+}
+
 std::vector<uint8_t> sideBySide(std::span<const std::vector<uint8_t>> views, uint32_t widthPx, uint32_t heightPx) {
     std::vector<uint8_t> rgb(views.size() * widthPx * heightPx * 3);
     for (uint32_t row = 0; row < heightPx; ++row) {

@@ -4,6 +4,9 @@
 
 #include <doppel/doppel.hpp>
 
+#include <filesystem>
+#include <functional>
+
 #include "sdk/core/result.h"
 #include "sdk/math/camera.h"
 #include "sdk/math/types.h"
@@ -45,6 +48,13 @@ Result<std::vector<std::vector<uint8_t>>> drawViews(const doppel::Context& conte
 
 /** Whether no pixel of any picture is covered. */
 bool isEmpty(std::span<const std::vector<uint8_t>> views);
+
+/** Name of the numbered frame i in a folder of frames, without ".png": "00012". */
+std::string frameNumber(size_t i);
+bool isFrameNumber(const std::string& name);
+
+/** Removes the PNG files of a folder whose names without ".png" are those of frames, as an earlier run left them. Returns their number. */
+Result<size_t> removeFrames(const std::filesystem::path& folder, const std::function<bool(const std::string& name)>& isFrame);
 
 /** The views side by side over a grey gradient, as RGB8; the result is views.size()·widthPx wide. */
 std::vector<uint8_t> sideBySide(std::span<const std::vector<uint8_t>> views, uint32_t widthPx, uint32_t heightPx);

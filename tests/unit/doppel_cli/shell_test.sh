@@ -74,4 +74,10 @@ verbose() { "$doppel" "$@" --verbose 2>&1 >/dev/null; }
 is "render --verbose" "$(verbose render avatar.glb -o a.png --size 32x32 --renderer software | grep -cE 'splats of|ms a frame')" 2
 is "pack --verbose" "$(verbose pack avatar.glb -o small.glb --pictures 2 | grep -c trying | awk "{print (\$1 > 2)}")" 1
 is "--quiet" "$("$doppel" render avatar.glb -o a.png --size 32x32 --renderer software --quiet 2>&1)" ""
+frames() { "$doppel" render avatar.glb -o frames --turntable --seconds "$1" --fps 10 --size 16x16 --renderer software 2>&1 >/dev/null; }
+frames 0.5 >/dev/null
+touch frames/plan.png frames/1.png frames/00007.txt frames/000003.png
+is "fewer frames than before say so" "$(frames 0.3 | grep -o 'removed 5 frames of an earlier run')" "removed 5 frames of an earlier run"
+is "no frame of an earlier run stays, and no other file goes" "$(LC_ALL=C ls frames | paste -sd ' ')" \
+    "00000.png 000003.png 00001.png 00002.png 00007.txt 1.png plan.png"
 [ $failures -eq 0 ] || { echo "$failures failed" >&2; exit 1; }
