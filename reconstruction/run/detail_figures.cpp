@@ -34,12 +34,12 @@ struct Mean {
 
 Status addDetailFigures(const Scan& scan, Progress& progress, AvatarView& view, const FrameSet& heldOut, const PosesFile& poses,
                         ReportData& data) {
-    for (const bool dynamic : {false, true}) {
+    for (const FrameKind kind : {FrameKind::StaticFull, FrameKind::Dynamic}) {  // close-ups count as static
         Mean all;
         std::vector<Mean> ofLabel(scan.labels.size());
         for (size_t i = 0; i < heldOut.frames.size(); ++i) {
             const TrainFrame& frame = heldOut.frames[i];
-            if ((frame.kind == FrameKind::Dynamic) != dynamic) continue;
+            if ((frame.kind == FrameKind::Dynamic) != (kind == FrameKind::Dynamic)) continue;
             if (progress.cancelled()) return fail(Code::Cancelled, "stopped");
             const auto truth = fineTruth(scan.root, frame);
             if (!truth) continue;
@@ -61,10 +61,13 @@ Status addDetailFigures(const Scan& scan, Progress& progress, AvatarView& view, 
         }
         if (all.count == 0) continue;
         const std::string group = formatText("correlation of fine detail when drawn at x {}, held-out {} ({} frames with a finer truth)",
-                                             kTimes, dynamic ? "dynamic" : "static", all.count);
-        data.figures.push_back({group, "whole subject", "", all.sum / double(all.count)});
+                                             kTimes, shortKindName(kind), all.count);
+        const std::string key = std::string("detail.") + shortKindName(kind);
+        data.figures.push_back({key, group, "whole subject", "", all.sum / double(all.count), {}});
         for (size_t l = 0; l < scan.labels.size(); ++l)
-            if (ofLabel[l].count > 0) data.figures.push_back({group, scan.labels[l].name, "", ofLabel[l].sum / double(ofLabel[l].count)});
+            if (ofLabel[l].count > 0)
+                data.figures.push_back(
+                    {key + "." + scan.labels[l].name, group, scan.labels[l].name, "", ofLabel[l].sum / double(ofLabel[l].count), {}});
     }
     return {};
 }

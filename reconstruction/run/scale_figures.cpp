@@ -21,8 +21,8 @@ struct Sums {
 
 Status addScaleFigures(const std::filesystem::path& scan, Progress& progress, AvatarView& view, const FrameSet& heldOut,
                        const PosesFile& poses, ReportData& data) {
-    for (const bool dynamic : {false, true}) {
-        const auto isOfKind = [&](const TrainFrame& f) { return (f.kind == FrameKind::Dynamic) == dynamic; };
+    for (const FrameKind kind : {FrameKind::StaticFull, FrameKind::Dynamic}) {  // close-ups count as static
+        const auto isOfKind = [&](const TrainFrame& f) { return (f.kind == FrameKind::Dynamic) == (kind == FrameKind::Dynamic); };
         bool fine = false;
         Sums sums[std::size(kComparedAt)][std::size(kScales)] = {};
         for (size_t i = 0; i < heldOut.frames.size(); ++i) {
@@ -65,13 +65,13 @@ Status addScaleFigures(const std::filesystem::path& scan, Progress& progress, Av
                 const Sums& sum = sums[c][s];
                 if (sum.frames == 0) continue;
                 const double n = double(sum.frames);
-                const std::string group =
-                    formatText("masked PSNR when drawn at another size, averaged to x {}, held-out {} ({})", kComparedAt[c],
-                               dynamic ? "dynamic" : "static",
-                               fine ? formatText("{} frames with a finer truth", sum.frames) : std::string("the mask is yes or no"));
-                data.figures.push_back({group, formatText("drawn at x {}", kScales[s]), "dB", sum.all / n});
-                data.figures.push_back(
-                    {group, formatText("drawn at x {}, one pixel inside the outline", kScales[s]), "dB", sum.inside / n});
+                const std::string group = formatText(
+                    "masked PSNR when drawn at another size, averaged to x {}, held-out {} ({})", kComparedAt[c], shortKindName(kind),
+                    fine ? formatText("{} frames with a finer truth", sum.frames) : std::string("the mask is yes or no"));
+                const std::string key = formatText("scale.{}.at_{}.drawn_{}", shortKindName(kind), kComparedAt[c], kScales[s]),
+                                  name = formatText("drawn at x {}", kScales[s]);
+                data.figures.push_back({key + ".all", group, name, "dB", sum.all / n, {}});
+                data.figures.push_back({key + ".inside", group, name + ", one pixel inside the outline", "dB", sum.inside / n, {}});
             }
     }
     return {};

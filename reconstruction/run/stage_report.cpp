@@ -33,15 +33,15 @@ namespace {
 constexpr double kGarmentRatio = 0.75;  // bar: distance of a garment from the truth, of that under plain LBS
 
 /** Adds the distances of joints to the truth of a synthetic scan, with the bars for registration. */
-void addTruth(const TruthComparison& truth, const std::string& after, ReportData& data) {
+void addTruth(const TruthComparison& truth, const std::string& key, const std::string& after, ReportData& data) {
     const std::string group = "registration against the truth, held-out dynamic frames, " + after;
-    const auto add = [&](const char* name, const char* unit, double value, double atMost) {
-        data.figures.push_back({group, name, unit, value, ReportBar{atMost, /*atLeast=*/false}});
+    const auto add = [&](const char* part, const char* name, const char* unit, double value, double atMost) {
+        data.figures.push_back({"truth." + key + "." + part, group, name, unit, value, ReportBar{atMost, /*atLeast=*/false}});
     };
-    add("keypoints, mean", "mm", truth.keypointsMm.mean, 15);
-    add("keypoints, 95th percentile", "mm", truth.keypointsMm.p95, 40);
-    add("limb directions, median", "degrees", truth.limbDegrees.median, 3);
-    add("limb directions, 95th percentile", "degrees", truth.limbDegrees.p95, 10);
+    add("keypoints_mean", "keypoints, mean", "mm", truth.keypointsMm.mean, 15);
+    add("keypoints_p95", "keypoints, 95th percentile", "mm", truth.keypointsMm.p95, 40);
+    add("limbs_median", "limb directions, median", "degrees", truth.limbDegrees.median, 3);
+    add("limbs_p95", "limb directions, 95th percentile", "degrees", truth.limbDegrees.p95, 10);
 }
 
 /** Adds the keypoint residuals, the distances to the truth if the scan has one, and what the figures stand for. The avatar is already
@@ -52,23 +52,26 @@ void addRegistration(const Scan& scan, const FittedBody& body, const PosesFile& 
                                   (r.split == Split::Test         ? ", held out"
                                    : r.split == Split::Validation ? ", validation"
                                                                   : ", training");
-        data.figures.push_back({group, "median", "px", r.medianPx});
-        data.figures.push_back({group, "95th percentile", "px", r.p95Px});
+        const std::string key = formatText("residual.{}.{}", shortKindName(r.kind), splitName(r.split));
+        data.figures.push_back({key + ".median", group, "median", "px", r.medianPx, {}});
+        data.figures.push_back({key + ".p95", group, "95th percentile", "px", r.p95Px, {}});
     }
     const std::string noise = "detector noise in the still training frames";
     if (body.fit.keypointSigma > 0) {
-        data.figures.push_back({noise, "standard deviation at full confidence", "% of the diagonal", 100 * body.fit.keypointSigma});
-        data.figures.push_back({noise, "the same, assumed by the body fit", "% of the diagonal", 100 * keypointSigma(scan)});
-        data.figures.push_back({noise, "outliers", "% of the keypoints", 100 * body.fit.outlierShare});
+        data.figures.push_back(
+            {"detector.sigma", noise, "standard deviation at full confidence", "% of the diagonal", 100 * body.fit.keypointSigma, {}});
+        data.figures.push_back(
+            {"detector.assumed_sigma", noise, "the same, assumed by the body fit", "% of the diagonal", 100 * keypointSigma(scan), {}});
+        data.figures.push_back({"detector.outliers", noise, "outliers", "% of the keypoints", 100 * body.fit.outlierShare, {}});
     }
     const auto afterFit = compareWithTruth(scan.root, scan, body.shaped, body.fit);
     data.provenance = provenanceOf(scan.name, afterFit && afterFit->sameBody);
     if (!afterFit || afterFit->keypointsMm.count == 0) return;
-    addTruth(*afterFit, "after the body fit", data);
+    addTruth(*afterFit, "body_fit", "after the body fit", data);
     BodyFit final = body.fit;
     for (size_t f = 0; f < final.poses.size(); ++f) final.poses[f] = poses.frames[f].bestPose();
     if (const auto afterPoseFit = compareWithTruth(scan.root, scan, body.shaped, final))
-        addTruth(*afterPoseFit, "after training and pose fit", data);
+        addTruth(*afterPoseFit, "pose_fit", "after training and pose fit", data);
 }
 
 /** Adds the gain of pose fit and of splats, the two steps that the report measures both with and without. */
@@ -78,10 +81,12 @@ void addWaterfall(ReportData& data) {
                    without = meanScore(data.frames, kind, &HeldOutFrame::withoutPoseFit);
         const auto mesh = meanScore(data.frames, kind, &HeldOutFrame::meshFloor);
         if (!with) continue;
-        data.waterfall.push_back({shortKindName(kind), "registration of held-out frames (pose fit on against off)", "dB",
-                                  with->maskedPsnrDb - without->maskedPsnrDb});
-        data.waterfall.push_back(
-            {shortKindName(kind), "splats over the same mesh with vertex colours", "dB", with->maskedPsnrDb - mesh->maskedPsnrDb});
+        const std::string name = shortKindName(kind);
+        const auto add = [&](const char* part, const char* what, double gainDb) {
+            data.waterfall.push_back({name + "." + part, name, what, "dB", gainDb, {}});
+        };
+        add("pose_fit", "registration of held-out frames (pose fit on against off)", with->maskedPsnrDb - without->maskedPsnrDb);
+        add("splats", "splats over the same mesh with vertex colours", with->maskedPsnrDb - mesh->maskedPsnrDb);
     }
 }
 
@@ -92,10 +97,11 @@ void addGarments(ReportData& data) {
         for (size_t g = 0; g < row.cells.size(); ++g) {
             const LadderGroup& group = data.ladder->groups[g];
             const GarmentCell& cell = row.cells[g];
-            if (row.poses != "true" || group.kind != FrameKind::Dynamic || group.split != Split::Test || !(cell.plainMm > 0)) continue;
-            data.figures.push_back(
-                {"garments against the truth, held-out dynamic frames, true poses", row.garment + ", distance", "mm", cell.correctedMm});
-            data.figures.push_back({data.figures.back().group, row.garment + ", distance over that under plain LBS", "",
+            if (row.poses != GarmentPoses::True || group.kind != FrameKind::Dynamic || group.split != Split::Test || !(cell.plainMm > 0))
+                continue;
+            const std::string heading = "garments against the truth, held-out dynamic frames, true poses", key = "garment." + row.garment;
+            data.figures.push_back({key + ".distance", heading, row.garment + ", distance", "mm", cell.correctedMm, {}});
+            data.figures.push_back({key + ".distance_ratio", heading, row.garment + ", distance over that under plain LBS", "",
                                     cell.correctedMm / cell.plainMm, ReportBar{kGarmentRatio, /*atLeast=*/false}});
         }
 }
@@ -213,20 +219,23 @@ Status StageOf<ReportFiles>::make(StageInputs& in, StageContext& context) {
     data.psnrCurves = {psnr};
     addRegistration(table->scan, *body, found->poses, data);
     const StepProfile& profile = training->result.profile;
+    const auto add = [&data](const char* key, const std::string& group, const char* name, const char* unit, double value) {
+        data.figures.push_back({key, group, name, unit, value, {}});
+    };
     const std::string speed = "training step, mean over the last epoch";
-    data.figures.push_back({speed, "step", "ms", profile.stepMs});
-    data.figures.push_back({speed, "pixel-splat pairs", "a step", profile.pairs});
-    data.figures.push_back({speed, "forward", "ns a pair", profile.forwardNsPerPair});
-    data.figures.push_back({speed, "backward", "ns a pair", profile.backwardNsPerPair});
+    add("training_step.ms", speed, "step", "ms", profile.stepMs);
+    add("training_step.pairs", speed, "pixel-splat pairs", "a step", profile.pairs);
+    add("training_step.forward_ns", speed, "forward", "ns a pair", profile.forwardNsPerPair);
+    add("training_step.backward_ns", speed, "backward", "ns a pair", profile.backwardNsPerPair);
     if (const CorrectiveStrain stress = correctiveStrain(avatar, in.jobs()); stress.offsetMm > 0) {
         const std::string strange = "pose correctives on 64 random poses that nobody trained, 99th percentiles";
-        data.figures.push_back({strange, "offset", "mm", stress.offsetMm});
-        data.figures.push_back({strange, "strain of an edge", "%", stress.strainPercent});
-        data.figures.push_back({strange, "change of brightness", "%", stress.lightPercent});
+        add("correctives.offset", strange, "offset", "mm", stress.offsetMm);
+        add("correctives.strain", strange, "strain of an edge", "%", stress.strainPercent);
+        add("correctives.light", strange, "change of brightness", "%", stress.lightPercent);
     }
     const std::string size = "avatar file";
-    data.figures.push_back({size, "splats and SH", "bytes a splat", double(info.splatBytes + info.shBytes) / std::max(1u, info.splats)});
-    data.figures.push_back({size, "whole file", "bytes", double(package->bytes.size())});
+    add("file.bytes_a_splat", size, "splats and SH", "bytes a splat", double(info.splatBytes + info.shBytes) / std::max(1u, info.splats));
+    add("file.bytes", size, "whole file", "bytes", double(package->bytes.size()));
     addWaterfall(data);
     addGarments(data);
     data.evidence = avatar.evidence;

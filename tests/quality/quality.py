@@ -46,8 +46,8 @@ def figures(report, avatar_bytes):
         mean = report["means"][kind]["with_pose_fit"]
         found[f"masked PSNR, held-out {kind}"] = (mean["masked_psnr_db"], "dB")
         found[f"alpha IoU, held-out {kind}"] = (mean["alpha_iou"], "IoU")
-    for when in ("after the body fit", "after training and pose fit"):
-        means = [f["value"] for f in report["figures"] if f["name"] == "keypoints, mean" and f["group"].endswith(when)]
+    for stage, when in (("body_fit", "after the body fit"), ("pose_fit", "after training and pose fit")):
+        means = [f["value"] for f in report["figures"] if f["key"] == f"truth.{stage}.keypoints_mean"]
         if len(means) != 1:
             sys.exit(f"FAILED: the report does not compare keypoints with the scan's truth {when}")
         found[f"keypoints, held-out dynamic, {when}"] = (means[0], "mm")

@@ -42,15 +42,15 @@ class Tables(unittest.TestCase):
 
 class Reports(unittest.TestCase):
     def test_figures_keep_the_bars_that_the_report_states(self):
-        def stated(group, name, value, **bar):
-            return {"group": group, "name": name, "value": value, "unit": "", **({"bar": {**bar, "met": True}} if bar else {})}
-        after = "registration against the truth, held-out dynamic frames, after the body fit"
+        def stated(key, value, **bar):
+            return {"key": key, "value": value, "unit": "", **({"bar": {**bar, "met": True}} if bar else {})}
+        fit = "truth.body_fit."
         score = {key: 1.0 for key in ("masked_psnr_db", "masked_ssim", "alpha_iou", "full_psnr_db", "full_ssim")}
         report = {
             "means": {"static": {key: score for key in ("with_pose_fit", "without_pose_fit", "floor_flat_labels", "floor_vertex_colours")}},
-            "above_floors": [stated("masked PSNR above the better floor", "held-out static", 5.0, at_least=4.0)],
-            "figures": [stated(after, "keypoints, mean", 16.0, at_most=15.0), stated(after, "keypoints, 95th percentile", 39.0, at_most=40.0),
-                        stated(after, "limb directions, median", 2.0), stated(after, "limb directions, 95th percentile", 9.0)],
+            "above_floors": [stated("above_floor.static", 5.0, at_least=4.0)],
+            "figures": [stated(fit + "keypoints_mean", 16.0, at_most=15.0), stated(fit + "keypoints_p95", 39.0, at_most=40.0),
+                        stated(fit + "limbs_median", 2.0), stated(fit + "limbs_p95", 9.0)],
             "facts": {"splats": "1", "body": "b", "training": "t", "scan": "s"}, "stages": [], "evidence": [], "frames": []}
         rows = benches.quality_rows(report, {"static": {"iou": benches.at_least(0.9)}})
         held_out, registration = pages.find(rows, row="held out"), pages.find(rows, row="registration")

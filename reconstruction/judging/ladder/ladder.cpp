@@ -27,7 +27,7 @@ constexpr size_t kStillFrames = 12;      // still training frames over which the
 constexpr size_t kFitStride = 3;         // every third vertex pulls in the pose fit
 constexpr double kBodyDistanceM = 0.02;  // a vertex this far from the true body weighs half in the pose fit: cloth tells little of bones
 
-constexpr const char* kGarmentPoses[] = {"fitted", "true"};  // rows of each garment
+constexpr GarmentPoses kGarmentPoses[] = {GarmentPoses::Fitted, GarmentPoses::True};  // rows of each garment
 
 /** The columns of the table. */
 constexpr std::pair<FrameKind, Split> kGroups[] = {{FrameKind::StaticFull, Split::Train},   {FrameKind::StaticFull, Split::Validation},
@@ -132,7 +132,7 @@ public:
         bind(evenlySpaced(stills, kStillFrames), stills);
         Ladder ladder = emptyLadder();
         for (const GarmentPair& garment : garments_)
-            for (const char* poses : kGarmentPoses)
+            for (const GarmentPoses poses : kGarmentPoses)
                 ladder.garments.push_back({garment.name, poses, std::vector<GarmentCell>(ladder.groups.size())});
         const std::vector<std::pair<size_t, size_t>> frames = chosenFrames();
         for (size_t i = 0; i < frames.size(); ++i) {

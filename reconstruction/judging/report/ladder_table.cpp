@@ -30,7 +30,7 @@ std::string cellText(const GarmentCell& cell, const char* dash) {
 }
 
 std::string rowName(const GarmentRow& row) {
-    return row.garment + ", " + (row.poses == "true" ? "true poses" : "poses fitted to the pictures");
+    return row.garment + ", " + (row.poses == GarmentPoses::True ? "true poses" : "poses fitted to the pictures");
 }
 
 std::string heading(const LadderGroup& group) {
@@ -108,7 +108,7 @@ nlohmann::ordered_json ladderJson(const Ladder& ladder) {
 nlohmann::ordered_json garmentsJson(const Ladder& ladder) {
     nlohmann::ordered_json rows = nlohmann::ordered_json::array();
     for (const GarmentRow& garment : ladder.garments) {
-        nlohmann::ordered_json row = {{"garment", garment.garment}, {"poses", garment.poses}};
+        nlohmann::ordered_json row = {{"garment", garment.garment}, {"poses", garment.poses == GarmentPoses::True ? "true" : "fitted"}};
         for (size_t g = 0; g < ladder.groups.size(); ++g)
             if (const GarmentCell& cell = garment.cells[g]; cell.frames > 0)
                 row[shortKindName(ladder.groups[g].kind)][splitName(ladder.groups[g].split)] = {

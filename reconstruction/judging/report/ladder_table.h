@@ -32,10 +32,15 @@ struct GarmentCell {
     double plainMm = 0;  // of the same avatar without pose correctives
 };
 
+enum class GarmentPoses : uint8_t {
+    Fitted,  // to the pictures
+    True,    // as on the rung of the true poses
+};
+
 /** Distances of one garment from the truth, in one kind of poses. */
 struct GarmentRow {
     std::string garment;
-    std::string poses;               // "fitted": to the pictures; "true": as on the rung of the true poses
+    GarmentPoses poses = GarmentPoses::Fitted;
     std::vector<GarmentCell> cells;  // one a group
 };
 

@@ -21,7 +21,7 @@ ordered_json scoreJson(const FrameScore& s) {
 ordered_json figuresJson(const std::vector<ReportFigure>& figures) {
     ordered_json list = ordered_json::array();
     for (const ReportFigure& f : figures) {
-        list.push_back({{"group", f.group}, {"name", f.name}, {"value", f.value}, {"unit", f.unit}});
+        list.push_back({{"key", f.key}, {"group", f.group}, {"name", f.name}, {"value", f.value}, {"unit", f.unit}});
         if (f.bar) list.back()["bar"] = {{f.bar->atLeast ? "at_least" : "at_most", f.bar->value}, {"met", meetsBar(f)}};
     }
     return list;
@@ -47,8 +47,9 @@ std::vector<ReportFigure> floorFigures(const std::vector<HeldOutFrame>& frames) 
         if (!avatar) continue;
         const double floor = std::max(meanScore(frames, kind, &HeldOutFrame::labelFloor)->maskedPsnrDb,
                                       meanScore(frames, kind, &HeldOutFrame::meshFloor)->maskedPsnrDb);
-        figures.push_back({"masked PSNR above the better floor", std::string("held-out ") + shortKindName(kind), "dB",
-                           avatar->maskedPsnrDb - floor, ReportBar{kAboveFloorsDb, true}});
+        figures.push_back({std::string("above_floor.") + shortKindName(kind), "masked PSNR above the better floor",
+                           std::string("held-out ") + shortKindName(kind), "dB", avatar->maskedPsnrDb - floor,
+                           ReportBar{kAboveFloorsDb, true}});
     }
     return figures;
 }

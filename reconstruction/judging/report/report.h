@@ -47,8 +47,10 @@ struct ReportBar {
     bool atLeast = true;  // false: at most
 };
 
-/** A named figure with its unit, for tables ("keypoints mean", 12.3, "mm"). */
+/** A figure with its unit. Programs find it by its key, which names parts from large to small ("truth.body_fit.keypoints_mean") and stays;
+ *  group and name are for people. No two figures of a report have the same key. */
 struct ReportFigure {
+    std::string key;
     std::string group, name, unit;
     double value = 0;
     std::optional<ReportBar> bar;

@@ -93,7 +93,7 @@ TEST_F(LadderTest, garmentsAreComparedWithAndWithoutPoseCorrectives) {
     ASSERT_EQ(ladder->garments.size(), 2u);
     const GarmentRow& row = ladder->garments[0];
     EXPECT_EQ(row.garment, "top");
-    EXPECT_EQ(row.poses, "fitted");
+    EXPECT_EQ(row.poses, GarmentPoses::Fitted);
     const GarmentCell& cell = row.cells.back();  // dynamic, test
     EXPECT_EQ(cell.frames, 1u);
     EXPECT_NEAR(cell.correctedMm, 0, 0.01);
@@ -102,8 +102,8 @@ TEST_F(LadderTest, garmentsAreComparedWithAndWithoutPoseCorrectives) {
 
 TEST_F(LadderTest, aRungThatDoesNotApplyIsEmpty) {
     EXPECT_EQ(cell("pose_fit", FrameKind::Dynamic, Split::Test).frames, 0u) << "no fitted pose is known";
-    EXPECT_EQ(cell("as_is", "static", "validation").frames, 0u);
-    EXPECT_EQ(cell("as_is", "static", "train").frames, 3u);
+    EXPECT_EQ(cell("as_is", FrameKind::StaticFull, Split::Validation).frames, 0u);
+    EXPECT_EQ(cell("as_is", FrameKind::StaticFull, Split::Train).frames, 3u);
 }
 
 TEST_F(LadderTest, aScanWithoutTruthHasNone) {

@@ -39,11 +39,13 @@ TEST(Report, marksBarsAsMetOrMissed) {
     ReportData data = sample();
     for (HeldOutFrame& frame : data.frames) frame.labelFloor.maskedPsnrDb = 17, frame.meshFloor.maskedPsnrDb = 10;
     data.frames[1].withPoseFit.maskedPsnrDb = 20.5;
-    data.figures = {{"registration", "keypoints, mean", "mm", 16.1, ReportBar{15, false}},
-                    {"registration", "limbs", "degrees", 2.5, ReportBar{3, false}},
-                    {"registration", "broken", "mm", std::nan(""), ReportBar{1, false}},
-                    {"sizes", "file", "bytes", 5000, {}}};
+    data.figures = {{"truth.keypoints", "registration", "keypoints, mean", "mm", 16.1, ReportBar{15, false}},
+                    {"truth.limbs", "registration", "limbs", "degrees", 2.5, ReportBar{3, false}},
+                    {"truth.broken", "registration", "broken", "mm", std::nan(""), ReportBar{1, false}},
+                    {"file.bytes", "sizes", "file", "bytes", 5000, {}}};
     const auto json = nlohmann::json::parse(reportJson(data));
+    EXPECT_EQ(json["figures"][0]["key"], "truth.keypoints");
+    EXPECT_EQ(json["above_floors"][1]["key"], "above_floor.dynamic");
     EXPECT_FALSE(json["figures"][0]["bar"]["met"]);
     EXPECT_EQ(json["figures"][0]["bar"]["at_most"], 15);
     EXPECT_TRUE(json["figures"][1]["bar"]["met"]);

@@ -45,15 +45,16 @@ inline ReportData fullReport(uint32_t portraitWidthPx = 420, uint32_t portraitHe
     data.stages = {{"co-optimise", 1800, uint64_t(3) << 30, false}, {"report", 20, uint64_t(1) << 30, true}};
     data.lossCurves = {{"total", {0, 1, 2}, {0.5, 0.1, 0.02}}};
     data.psnrCurves = {{"masked", {0, 1, 2}, {15, 20, 24}}};
-    data.figures = {{"registration against the truth, held-out dynamic frames, after training and pose fit", "keypoints, mean", "mm", 16.1,
-                     ReportBar{15, false}},
-                    {"avatar file", "whole file", "bytes", 1234567, {}}};
-    data.waterfall = {{"static", "registration of held-out frames (pose fit on against off)", "dB", 2}};
+    data.figures = {
+        {"truth.pose_fit.keypoints_mean", "registration against the truth, held-out dynamic frames, after training and pose fit",
+         "keypoints, mean", "mm", 16.1, ReportBar{15, false}},
+        {"file.bytes", "avatar file", "whole file", "bytes", 1234567, {}}};
+    data.waterfall = {{"static.pose_fit", "static", "registration of held-out frames (pose fit on against off)", "dB", 2, {}}};
     Ladder ladder;
     for (const Split split : {Split::Train, Split::Validation, Split::Test})
         for (const FrameKind kind : {FrameKind::StaticFull, FrameKind::Dynamic}) ladder.groups.push_back({kind, split, 12});
     ladder.rungs = {{"as_is", "as it is, in its registered poses", std::vector<LadderCell>(6, LadderCell{12, 22.4, 31.0})}};
-    ladder.garments = {{"skirt", "true", std::vector<GarmentCell>(6, GarmentCell{12, 31.2, 40.1})}};
+    ladder.garments = {{"skirt", GarmentPoses::True, std::vector<GarmentCell>(6, GarmentCell{12, 31.2, 40.1})}};
     data.ladder = ladder;
     data.evidence = {{"garment layer: skirt", true, 0, 0, "1204 triangles, 0.61 m²"},
                      {"garment layer: scarf", false, 0, 0, "no picture shows the label scarf"},

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
 
+#include <set>
+
 #include "reconstruction/judging/report/score.h"
 #include "reconstruction/run/stage_body_map.h"
 #include "reconstruction/run/stage_pose_fit.h"
@@ -95,6 +97,16 @@ TEST_F(StageReport, scoresTheHeldOutFramesAndWritesItsFiles) {
     EXPECT_NE(text("summary.txt").find(headline), std::string::npos);
 }
 
+TEST_F(StageReport, everyFigureHasAKeyOfItsOwn) {
+    const nlohmann::json json = report();
+    std::set<std::string> keys;
+    for (const char* table : {"above_floors", "figures", "waterfall"})
+        for (const auto& figure : json[table]) EXPECT_TRUE(keys.insert(figure["key"]).second) << figure["key"];
+    EXPECT_EQ(keys.count(""), 0u);
+    for (const char* key : {"above_floor.static", "file.bytes", "training_step.ms", "dynamic.pose_fit", "scale.static.at_1.drawn_2.all"})
+        EXPECT_EQ(keys.count(key), 1u) << key;
+}
+
 TEST_F(StageReport, endsWithWordsForWhoFilmed) {
     toy_.training.steps = 300;
     const nlohmann::json json = report();
@@ -134,8 +146,7 @@ TEST_F(StageReport, comparesWithTheTruthAndSaysWhoseBodyItIs) {
     const nlohmann::json json = report();
     size_t figures = 0;
     for (const auto& figure : json["figures"]) {
-        if (figure["name"] != "keypoints, mean" || figure["group"].get<std::string>().find("after the body fit") == std::string::npos)
-            continue;
+        if (figure["key"] != "truth.body_fit.keypoints_mean") continue;
         ++figures;
         EXPECT_NEAR(figure["value"].get<double>(), 20, 0.01);
         EXPECT_EQ(figure["bar"]["at_most"], 15);

@@ -275,8 +275,8 @@ def take_floor(place):
 
 # ---- quality
 
-REGISTRATION = {"keypoints_mean_mm": "keypoints, mean", "keypoints_p95_mm": "keypoints, 95th percentile",
-                "limbs_median_deg": "limb directions, median", "limbs_p95_deg": "limb directions, 95th percentile"}
+REGISTRATION = {"keypoints_mean_mm": "keypoints_mean", "keypoints_p95_mm": "keypoints_p95",
+                "limbs_median_deg": "limbs_median", "limbs_p95_deg": "limbs_p95"}
 
 
 def sample(place, seed):
@@ -307,13 +307,13 @@ def reconstruct(place, name, scan, options):
     return json.loads((place.work / name / "report.json").read_text(encoding="utf-8"))
 
 
-def reported(report, group, name):
-    """The figure of a report with this name, or None."""
-    return next((f for f in report["figures"] if f["group"].startswith(group) and f["name"] == name), None)
+def reported(report, key):
+    """The figure of a report with this key, or None."""
+    return next((f for f in report["figures"] if f["key"] == key), None)
 
 
-def figure(report, group, name):
-    found = reported(report, group, name)
+def figure(report, key):
+    found = reported(report, key)
     return found["value"] if found else None
 
 
@@ -329,23 +329,21 @@ def quality_rows(report, bars):
     for kind, means in report["means"].items():
         fit, plain = means["with_pose_fit"], means["without_pose_fit"]
         labels, colours = means["floor_flat_labels"]["masked_psnr_db"], means["floor_vertex_colours"]["masked_psnr_db"]
-        above = next(f for f in report["above_floors"] if f["name"] == f"held-out {kind}")
+        above = next(f for f in report["above_floors"] if f["key"] == f"above_floor.{kind}")
         row = {"row": "held out", "kind": kind, "psnr_db": fit["masked_psnr_db"], "psnr_without_pose_fit_db": plain["masked_psnr_db"],
                "iou": fit["alpha_iou"], "iou_without_pose_fit": plain["alpha_iou"], "ssim": fit["masked_ssim"],
                "floor_labels_db": labels, "floor_vertex_colours_db": colours, "above_floors_db": above["value"],
                "full_psnr_db": fit["full_psnr_db"], "full_ssim": fit["full_ssim"]}
         rows.append({**row, "bars": {**bars.get(kind, {}), **bars_of({"above_floors_db": above})}})
-    for after in ("after the body fit", "after training and pose fit"):
-        group = f"registration against the truth, held-out dynamic frames, {after}"
-        found = {field: reported(report, group, name) for field, name in REGISTRATION.items()}
+    for stage, after in (("body_fit", "after the body fit"), ("pose_fit", "after training and pose fit")):
+        found = {field: reported(report, f"truth.{stage}.{part}") for field, part in REGISTRATION.items()}
         if all(found.values()):
             rows.append({"row": "registration", "after": after, **{field: f["value"] for field, f in found.items()}, "bars": bars_of(found)})
-    step = "training step"
-    rows.append({"row": "training", "step_ms": figure(report, step, "step"), "pairs": figure(report, step, "pixel-splat pairs"),
-                 "forward_ns": figure(report, step, "forward"), "backward_ns": figure(report, step, "backward"),
+    rows.append({"row": "training", "step_ms": figure(report, "training_step.ms"), "pairs": figure(report, "training_step.pairs"),
+                 "forward_ns": figure(report, "training_step.forward_ns"), "backward_ns": figure(report, "training_step.backward_ns"),
                  "bars": bars.get("training", {})})
-    rows.append({"row": "file", "splats": int(report["facts"]["splats"]), "bytes": figure(report, "avatar file", "whole file"),
-                 "bytes_a_splat": figure(report, "avatar file", "splats and SH"), "body": report["facts"]["body"],
+    rows.append({"row": "file", "splats": int(report["facts"]["splats"]), "bytes": figure(report, "file.bytes"),
+                 "bytes_a_splat": figure(report, "file.bytes_a_splat"), "body": report["facts"]["body"],
                  "training": report["facts"]["training"], "scan": report["facts"]["scan"]})
     rows += [{"row": "stage", **{key: s[key] for key in ("name", "seconds", "peak_bytes", "reused")}} for s in report["stages"]]
     rows += [{"row": "evidence", **{key: e[key] for key in ("part", "kept", "gain_db", "bytes")}} for e in report["evidence"]]
