@@ -24,13 +24,14 @@ namespace {
 constexpr size_t kTuckedPoses = 64;  // of training, at most
 
 /** Clothes that sink into unseen skin in stress poses or in those of training stay outside it. */
-void tuckUnseenBody(AssembledAvatar& assembled, Jobs& jobs) {
+Status tuckUnseenBody(AssembledAvatar& assembled, Jobs& jobs) {
     AvatarData& avatar = assembled.avatar;
     std::vector<Pose> poses = stressPoses(avatar.joints);
     for (const Pose& pose : evenlySpaced(movingPoses(assembled.frames), kTuckedPoses)) poses.push_back(pose);
-    const TriangleSight sight = triangleSight(avatar.joints, avatar.mesh, assembled.triangleLabel, assembled.frames, jobs);
+    DPL_TRY(const TriangleSight sight, triangleSight({avatar.joints, avatar.mesh, assembled.triangleLabel, assembled.frames}, jobs));
     const size_t moved = tuckBody(avatar, sight.seen, poses, jobs);
     log(LogLevel::Info, "{} vertices of unseen skin are taken in below clothes", moved);
+    return {};
 }
 
 }  // namespace
@@ -76,7 +77,7 @@ Result<AssembledAvatar> StageOf<AssembledAvatar>::compute(StageInputs& in) {
     avatar.correctives = trained.correctives;
     avatar.clips = scanMotion(table->scan, set.rows, trained.poses);
     sortSplats(avatar);
-    tuckUnseenBody(out, in.jobs());
+    DPL_RETURN_IF_ERROR(tuckUnseenBody(out, in.jobs()));
 
     const std::vector<Vec3f> trainedRest = avatar.mesh.restPositions;
     DPL_TRY(AvatarData decoded, decodedAvatar(avatar));

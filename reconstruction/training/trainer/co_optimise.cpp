@@ -110,11 +110,11 @@ Result<std::unique_ptr<CoOptimiser>> CoOptimiser::create(CoOptimiseInput input, 
     auto state = std::make_unique<State>(std::move(input), settings, jobs);
     DPL_RETURN_IF_ERROR(state->prepare());
     State& s = *state;
-    DPL_TRY(const TriangleSight sight, triangleSight(s.input.joints, s.mesh, s.input.triangleLabel, s.input.frames, jobs));
+    const SeenMesh seen{s.input.joints, s.mesh, s.input.triangleLabel, s.input.frames};
+    DPL_TRY(const TriangleSight sight, triangleSight(seen, jobs));
     const std::vector<uint8_t> backs = seenBacks(s.input.joints, s.mesh, posesThatShowBacks(s.input), jobs);
     const std::vector<uint8_t> flags = triangleFlags(s.mesh.restPositions, s.mesh.triangles, s.input.triangleLabel, backs, s.settings.init);
-    DPL_TRY(TrainableSplats first, initialSplats(s.input.joints, s.mesh, s.input.triangleLabel, flags, sight, s.input.frames,
-                                                 s.settings.init, s.settings.seed, jobs));
+    DPL_TRY(TrainableSplats first, initialSplats(seen, flags, sight, s.settings.init, s.settings.seed, jobs));
     holdBareVertices(s.mesh, first, s.learned.layer.correctives);
     s.chooseLearners(sight.seen);
     s.start(std::move(first));
@@ -131,7 +131,8 @@ Result<std::unique_ptr<CoOptimiser>> CoOptimiser::createFrom(CoOptimiseInput inp
         splats.scaleM.size() != n || splats.opacity.size() != n || splats.flags.size() != n ||
         splats.sh.size() != n * shCoefficientCount(splats.shDegree) * 3)
         return fail(Code::InvalidArgument, "the splats do not fit the mesh of {} triangles", s.mesh.triangles.size());
-    DPL_TRY(const TriangleSight sight, triangleSight(s.input.joints, s.mesh, s.input.triangleLabel, s.input.frames, jobs));
+    const SeenMesh seen{s.input.joints, s.mesh, s.input.triangleLabel, s.input.frames};
+    DPL_TRY(const TriangleSight sight, triangleSight(seen, jobs));
     TrainableSplats first = TrainableSplats::fromSplatData(splats, sight.sizeFloorM);
     first.activateAll(jobs);
     s.chooseLearners(sight.seen);

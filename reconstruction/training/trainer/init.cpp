@@ -148,14 +148,14 @@ std::vector<uint8_t> triangleFlags(std::span<const Vec3f> restPositions, std::sp
     return flags;
 }
 
-Result<TriangleSight> triangleSight(std::span<const JointData> joints, const MeshData& mesh, std::span<const uint8_t> labels,
-                                    std::span<const TrainFrame> frames, Jobs& jobs) {
-    const LabelCheck check(labels);
+Result<TriangleSight> triangleSight(const SeenMesh& seen, Jobs& jobs) {
+    const MeshData& mesh = seen.mesh;
+    const LabelCheck check(seen.labels);
     std::vector<float> density(mesh.triangles.size(), 0.0f), shownM2(mesh.triangles.size(), 0.0f);
     std::vector<Vec3f> posed;
-    for (const TrainFrame& f : frames) {
+    for (const TrainFrame& f : seen.frames) {
         DPL_TRY(const auto picture, checkedPicture(f));
-        posedPositions(joints, mesh, f.pose, jobs, posed);
+        posedPositions(seen.joints, mesh, f.pose, jobs, posed);
         const MeshRaster raster = rasteriseMesh(posed, mesh.triangles, f.camera);
         for (size_t i = 0; i < raster.triangle.size(); ++i) {
             const uint32_t t = raster.triangle[i];
@@ -181,9 +181,9 @@ Result<TriangleSight> triangleSight(std::span<const JointData> joints, const Mes
     return sight;
 }
 
-Result<TrainableSplats> initialSplats(std::span<const JointData> joints, const MeshData& mesh, std::span<const uint8_t> labels,
-                                      std::span<const uint8_t> flags, const TriangleSight& sight, std::span<const TrainFrame> frames,
+Result<TrainableSplats> initialSplats(const SeenMesh& seen, std::span<const uint8_t> flags, const TriangleSight& sight,
                                       const InitSettings& settings, uint64_t seed, Jobs& jobs) {
+    const MeshData& mesh = seen.mesh;
     const size_t triangleCount = mesh.triangles.size();
     const std::vector<std::vector<uint32_t>> neighbours = triangleNeighbours(mesh);
     const std::vector<uint8_t> shown = drawnTriangles(mesh, sight.seen, neighbours);
@@ -218,14 +218,14 @@ Result<TrainableSplats> initialSplats(std::span<const JointData> joints, const M
         }
     s.indexTriangles(triangleCount);
 
-    const LabelCheck check(labels);
+    const LabelCheck check(seen.labels);
     // Each frame adds the colour that it shows at each splat's position.
     std::vector<Vec3f> sum(count, Vec3f(0));
     std::vector<float> weight(count, 0.0f);
     std::vector<Vec3f> posed;
-    for (const TrainFrame& f : frames) {
+    for (const TrainFrame& f : seen.frames) {
         DPL_TRY(const auto picture, checkedPicture(f));
-        posedPositions(joints, mesh, f.pose, jobs, posed);
+        posedPositions(seen.joints, mesh, f.pose, jobs, posed);
         const MeshRaster raster = rasteriseMesh(posed, mesh.triangles, f.camera);
         const Vec3d eye = f.camera.eye();
         const float trust = f.kind == FrameKind::Dynamic ? 0.2f : 1.0f;

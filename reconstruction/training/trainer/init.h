@@ -40,21 +40,27 @@ struct TriangleSight {
     std::vector<uint8_t> seen;  // 1: seen enough to learn its looks from the frames
 };
 
+/** A mesh, and the frames that show it. Borrowed. */
+struct SeenMesh {
+    std::span<const JointData> joints;
+    const MeshData& mesh;
+    std::span<const uint8_t> labels;  // one a triangle, or empty
+    std::span<const TrainFrame> frames;
+};
+
 /** A frame shows a triangle where the triangle is in front, the person is, and, if both have labels, the picture does not show another part
  *  of the mesh: a leg below a skirt is not seen where the posed skirt lies elsewhere than the true one. A triangle is seen when the frames
  * show of it and its neighbours, in shares of their area, more than priors::kSeenShare of what they show of the median triangle: pictures
- * that meet it by a pixel here and there, where layers cut into each other, do not tell its colour. labels: one a triangle, or empty.
- * Errors: a picture cannot be read. */
-Result<TriangleSight> triangleSight(std::span<const JointData> joints, const MeshData& mesh, std::span<const uint8_t> labels,
-                                    std::span<const TrainFrame> frames, Jobs& jobs);
+ * that meet it by a pixel here and there, where layers cut into each other, do not tell its colour. Errors: a picture
+ * cannot be read. */
+Result<TriangleSight> triangleSight(const SeenMesh& seen, Jobs& jobs);
 
 /** Splats before the first step. Each valid triangle has at least one; the rest are spread by area. The body below clothes has none,
  *  except near what is seen: no picture could tell its colour. Scale is 0.8·spacing, opacity 0.8.
  *  SH coefficient 0 is the mean colour in the frames that show the splat's triangle there, weighted by cos²θ, with θ the angle
  *  between its normal and the direction to the camera. Moving frames weigh a fifth of still ones. Splats that no frame shows take the
  *  mean of their neighbours along the surface. Errors: a picture cannot be read. */
-Result<TrainableSplats> initialSplats(std::span<const JointData> joints, const MeshData& mesh, std::span<const uint8_t> labels,
-                                      std::span<const uint8_t> flags, const TriangleSight& sight, std::span<const TrainFrame> frames,
+Result<TrainableSplats> initialSplats(const SeenMesh& seen, std::span<const uint8_t> flags, const TriangleSight& sight,
                                       const InitSettings& settings, uint64_t seed, Jobs& jobs);
 
 }  // namespace dpl

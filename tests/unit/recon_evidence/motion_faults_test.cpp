@@ -29,7 +29,7 @@ TEST(MotionFaults, aSlowStepIsShortAndTowardsTheNextPose) {
 }
 
 MotionFaults faultsOf(ToyReconstruction& toy, const AvatarData& avatar) {
-    const FrameSet set = must(toy.table.frames(Split::Train, toy.metric.cameras, toy.truth));
+    const FrameSet set = toy.table.frames(Split::Train, toy.metric.cameras, toy.truth);
     AvatarView view = must(AvatarView::open(bytesOf(avatar), 2));
     return must(motionFaults(avatar, view, set.frames, toy.jobs));
 }
@@ -48,7 +48,7 @@ TEST(MotionFaults, lightThatChangesFastFlickers) {
 TEST(MotionFaults, stillFramesAloneShowNone) {
     ToyReconstruction toy;
     toy.takePictures(toy.avatar);
-    FrameSet set = must(toy.table.frames(Split::Train, toy.metric.cameras, toy.truth));
+    FrameSet set = toy.table.frames(Split::Train, toy.metric.cameras, toy.truth);
     std::erase_if(set.frames, [](const TrainFrame& frame) { return frame.kind == FrameKind::Dynamic; });
     ASSERT_GE(set.frames.size(), 2u);
     AvatarData nervous = toy.avatar;

@@ -277,7 +277,7 @@ TEST(CoOptimise, splatsThatNoPictureShowsStayAsTheyStarted) {
         in.triangleLabel.push_back(at[t.x].y + at[t.y].y + at[t.z].y < 0 ? kLeg : kSkirt);
     }
     in.frames = labelled(in.frames, kSkirt);
-    const TriangleSight sight = *triangleSight(in.joints, in.mesh, in.triangleLabel, in.frames, jobs);
+    const TriangleSight sight = *triangleSight({in.joints, in.mesh, in.triangleLabel, in.frames}, jobs);
     CoOptimiseSettings settings = toySettings(60);
     settings.densify = false;
     auto trainer = CoOptimiser::create(in, settings, jobs);

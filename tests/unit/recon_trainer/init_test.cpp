@@ -14,11 +14,11 @@ namespace {
 std::vector<uint32_t> splatsPerTriangle(const MeshData& mesh, Jobs& jobs, std::span<const uint8_t> labels = {}, uint8_t shownLabel = 0) {
     const CoOptimiseInput scene = toyScene(jobs);
     const std::vector<TrainFrame> frames = shownLabel == 0 ? scene.frames : labelled(scene.frames, shownLabel);
-    const TriangleSight sight = *triangleSight(scene.joints, mesh, labels, frames, jobs);
+    const TriangleSight sight = *triangleSight({scene.joints, mesh, labels, frames}, jobs);
     InitSettings init;
     init.splatCount = 6000, init.shDegree = 0;
     const auto flags = triangleFlags(mesh.restPositions, mesh.triangles, {}, {}, init);
-    const TrainableSplats splats = *initialSplats(scene.joints, mesh, labels, flags, sight, frames, init, 1, jobs);
+    const TrainableSplats splats = *initialSplats({scene.joints, mesh, labels, frames}, flags, sight, init, 1, jobs);
     std::vector<uint32_t> count(mesh.triangles.size(), 0);
     for (const uint32_t t : splats.triangle) ++count[t];
     return count;
@@ -71,7 +71,7 @@ TEST(TriangleSight, pixelsHereAndThereAreNotSeen) {
                     if (x % step != 0 || y % step != 0) picture.mask.pixels[y * picture.mask.widthPx + x] = 0;
             frame.picture = std::make_shared<const FramePicture>(std::move(picture));
         }
-        const TriangleSight sight = *triangleSight(scene.joints, scene.mesh, {}, frames, jobs);
+        const TriangleSight sight = *triangleSight({scene.joints, scene.mesh, {}, frames}, jobs);
         size_t seen = 0;
         for (size_t t = 0; t < sight.seen.size(); ++t) {
             const Triangle& corner = scene.mesh.triangles[t];
@@ -88,7 +88,7 @@ TEST(TriangleSight, pixelsHereAndThereAreNotSeen) {
 TEST(TriangleSight, onePictureIsEnough) {
     Jobs jobs(2);
     const CoOptimiseInput scene = toyScene(jobs);
-    const auto seen = triangleSight(scene.joints, scene.mesh, {}, std::span(scene.frames.data(), 1), jobs)->seen;
+    const auto seen = triangleSight({scene.joints, scene.mesh, {}, std::span(scene.frames.data(), 1)}, jobs)->seen;
     EXPECT_GT(std::count(seen.begin(), seen.end(), uint8_t(1)), long(seen.size()) / 4) << "most of what faces it";
 }
 
@@ -116,12 +116,12 @@ TEST(InitialSplats, unseenSplatsTakeTheColourOfTheirNeighbours) {
         }
         frame.picture = std::make_shared<const FramePicture>(std::move(picture));
     }
-    const TriangleSight sight = *triangleSight(scene.joints, scene.mesh, {}, front, jobs);
+    const TriangleSight sight = *triangleSight({scene.joints, scene.mesh, {}, front}, jobs);
     ASSERT_GT(std::count(sight.seen.begin(), sight.seen.end(), uint8_t(0)), 20);
     InitSettings init;
     init.splatCount = 3000, init.shDegree = 0;
     const auto flags = triangleFlags(scene.mesh.restPositions, scene.mesh.triangles, {}, {}, init);
-    const TrainableSplats splats = *initialSplats(scene.joints, scene.mesh, {}, flags, sight, front, init, 1, jobs);
+    const TrainableSplats splats = *initialSplats({scene.joints, scene.mesh, {}, front}, flags, sight, init, 1, jobs);
     size_t checked = 0;
     for (uint32_t i = 0; i < splats.count(); ++i) {
         const Triangle& t = scene.mesh.triangles[splats.triangle[i]];

@@ -55,7 +55,7 @@ inline CoOptimiseInput toyScene(Jobs& jobs, uint32_t frameCount = 8, float swayM
     InitSettings init;
     init.splatCount = 3000, init.shDegree = 0;
     const auto flags = triangleFlags(in.mesh.restPositions, in.mesh.triangles, {}, {}, init);
-    TrainableSplats splats = *initialSplats(in.joints, in.mesh, {}, flags, sight, {}, init, 1, jobs);
+    TrainableSplats splats = *initialSplats({in.joints, in.mesh, {}, {}}, flags, sight, init, 1, jobs);
     for (uint32_t i = 0; i < splats.count(); ++i) {
         const Triangle& t = in.mesh.triangles[splats.triangle[i]];
         const Vec3f p = (1 - splats.uv[i].x - splats.uv[i].y) * in.mesh.restPositions[t.x] + splats.uv[i].x * in.mesh.restPositions[t.y] +
