@@ -24,7 +24,7 @@ Status encodePictures(Scene& scene, const AppSide& side, const FrameWants& wants
     LayerPlace places[DPL_MAX_VIEWS];
     for (size_t v = 0; v < encoded.size(); ++v) {
         const EncodedView& e = encoded[v];
-        places[v] = {e.target, e.view, e.tilePixels, e.counts, e.tileDepthOffset, e.meshDepth};
+        places[v] = {e.widthPx, e.heightPx, e.target, e.view, e.tilePixels, e.tileDepthOffset, e.meshDepth};
     }
     return side.backend.setLayers(frame.slot, {places, encoded.size()});
 }

@@ -22,10 +22,10 @@ using ComposerId = GpuId<struct ComposerTag>;
 
 /** Where the picture layer of a view lies once its frame has run. */
 struct LayerPlace {
-    TargetId target;
-    uint32_t view = 0;             // of the target
+    uint32_t widthPx = 0, heightPx = 0;
+    TargetId target;               // of frames that quads fill; none: tiles
+    uint32_t view = 0;             // of the target or of tilePixels
     BufferId tilePixels;           // of frames that tiles fill; none: quads
-    BufferId counts;               // says whether the tile lists overflowed, so that quads filled the frame
     uint64_t tileDepthOffset = 0;  // of the depth sums in tilePixels, bytes
     BufferId meshDepth;            // none: the picture has no depth of the mesh
 };

@@ -14,14 +14,14 @@ Status checkCommands(uint32_t slot, AppCommands commands) {
     return fail(Code::InvalidArgument, "slot {} or its commands do not exist", slot);
 }
 
-/** What a draw that composes `view` of a slot pushes, but for its place and what depends on the pass. shared: the target holds all views
- *  of its frame as layers of one image, so that one draw can compose them. */
-gpu::ComposePush composePush(std::span<const LayerPlace> places, uint32_t view, const TargetDesc& target, bool shared, bool halfDepth) {
+/** What a draw that composes `view` of a slot pushes, but for its place and what depends on the pass. shared: all views of a frame
+ *  lie in one image or buffer, so that one draw can compose them. */
+gpu::ComposePush composePush(std::span<const LayerPlace> places, uint32_t view, bool shared, bool halfDepth) {
     const LayerPlace& place = places[view];
     gpu::ComposePush push{};
-    push.widthPx = target.widthPx, push.heightPx = target.heightPx;
+    push.widthPx = place.widthPx, push.heightPx = place.heightPx;
     for (uint32_t v = 0; v < places.size(); ++v)
-        if (v == view || (shared && places[v].target == place.target)) push.views |= 1u << v;
+        if (v == view || (shared && places[v].target == place.target && places[v].tilePixels == place.tilePixels)) push.views |= 1u << v;
     push.drawnFrom = view - (shared ? place.view : 0);
     push.bufferFrom = view - place.view;
     push.tiled = place.tilePixels ? 1 : 0;
@@ -165,9 +165,9 @@ Status SlottedBackend::setLayers(uint32_t slot, std::span<const LayerPlace> plac
     Slot& s = slots_[slot];
     s.mesh = bool(places[0].meshDepth);
     for (uint32_t v = 0; v < places.size(); ++v) {
-        const TargetDesc& desc = *target(places[v].target);
+        const bool shared = !places[v].target || viewsShareImage(*target(places[v].target));
         setLayer(slot, v, places[v]);
-        s.push[v] = composePush(places, v, desc, viewsShareImage(desc), info().halfDepth);
+        s.push[v] = composePush(places, v, shared, info().halfDepth);
     }
     s.viewCount = uint32_t(places.size());
     return {};

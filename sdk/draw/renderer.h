@@ -65,7 +65,7 @@ struct FrameStats {
     uint32_t components = 0, componentsInView = 0;
     uint32_t splatsDrawn = 0;      // shown by some view; on the CPU the largest count of one view
     uint32_t tileEntries = 0;      // splat-tile pairs of all views; 0 when quads fill
-    bool tilesOverflowed = false;  // the tile lists were too small for this frame, so quads filled it
+    bool tilesOverflowed = false;  // the tile lists were too small for this frame, so each tile searched
     std::vector<PassTime> passes;  // GPU time in the order the passes ran; empty without timestamps
     uint64_t residentBytes = 0;    // all subjects and frames of the renderer, in the memory it draws from
     uint64_t avatarBytes = 0;      // this subject: splats, mesh, skin weights and pose correctives

@@ -25,6 +25,16 @@ Result<TableIds> makeTable(DeviceBuffers& buffers, const std::string& label, uin
     return table;
 }
 
+/** The lists of tiles that fill such a frame; none where quads do. */
+std::optional<TilePlan> tilesOf(const FrameIds& ids, Fill fill, const DeviceInfo& device) {
+    if (fill != Fill::Tiles || ids.allSplats == 0) return std::nullopt;
+    std::optional<TilePlan> tiles = planTiles(ids, device);
+    if (!tiles)
+        log(LogLevel::Info, "{} x {} px, {} splats: the lists of compute tiles do not fit the device, quads fill this size", ids.widthPx,
+            ids.heightPx, ids.allSplats);
+    return tiles;
+}
+
 uint64_t pixelsOf(const FrameShape& shape) {
     return uint64_t(shape.widthPx) * shape.heightPx * shape.views;
 }
@@ -154,12 +164,13 @@ Result<RecordedFrame*> FrameCache::frame(SceneSet& set, const FrameShape& shape,
         set.frames.erase(oldest);
     }
     const FrameIds ids = idsOf(set, shape);
-    DPL_TRY(FrameTarget target, makeTarget(targetOf(ids, shape)));
+    const std::optional<TilePlan> tiles = tilesOf(ids, shape.fill, backend_.info());
+    DPL_TRY(FrameTarget target, tiles ? FrameTarget::none() : makeTarget(targetOf(ids, shape)));
     RecordedFrame made(backend_, shape, std::move(target));
     made.key = ++lastKey_;
     made.ids = ids;
     made.ids.target = made.target.id();
-    if (const Status recorded = record(set, made); !recorded) {
+    if (const Status recorded = record(set, made, tiles ? &*tiles : nullptr); !recorded) {
         free(made);
         return recorded.error();
     }
@@ -167,25 +178,18 @@ Result<RecordedFrame*> FrameCache::frame(SceneSet& set, const FrameShape& shape,
     return &set.frames.back();
 }
 
-Status FrameCache::record(const SceneSet& set, RecordedFrame& frame) {
+Status FrameCache::record(const SceneSet& set, RecordedFrame& frame, const TilePlan* tiles) {
     FrameIds& ids = frame.ids;
-    DPL_RETURN_IF_ERROR(preparePipelines(set, frame));
+    DPL_RETURN_IF_ERROR(preparePipelines(set, frame, tiles));
     DPL_TRY(ids.projected, frame.buffers.create("projected", uint64_t(ids.allSplats) * ids.viewCount * sizeof(gpu::ProjectedSplat)));
     if (frame.shape.meshDepth) {
         DPL_TRY(ids.meshDepth, frame.buffers.create("mesh depth", pixelsOf(frame.shape) * 4));
-    }
-    std::optional<TilePlan> tiles;
-    if (frame.shape.fill == Fill::Tiles && ids.allSplats > 0) {
-        tiles = planTiles(ids, backend_.info());
-        if (!tiles)
-            log(LogLevel::Info, "{} x {} px, {} splats: the lists of compute tiles do not fit the device, quads fill this size",
-                ids.widthPx, ids.heightPx, ids.allSplats);
     }
     if (tiles) {
         DPL_RETURN_IF_ERROR(makeTileLists(frame, *tiles));
     }
     for (FrameSlot& slot : frame.slots) {
-        DPL_RETURN_IF_ERROR(recordSlot(set, frame, slot, tiles ? &*tiles : nullptr));
+        DPL_RETURN_IF_ERROR(recordSlot(set, frame, slot, tiles));
     }
     return {};
 }
@@ -202,12 +206,16 @@ Status FrameCache::makeTileLists(RecordedFrame& frame, const TilePlan& tiles) {
 
 /** Creates the pipelines for the other number of samples too, so that a camera that moves away from an avatar causes no shader
  *  compilation. The target and lists for it are made when they are needed. */
-Status FrameCache::preparePipelines(const SceneSet& set, const RecordedFrame& frame) {
+Status FrameCache::preparePipelines(const SceneSet& set, const RecordedFrame& frame, const TilePlan* tiles) {
     if (!set.mayTakeFourSamples || !backend_.info().fourSamples) return {};
     const uint32_t other = frame.shape.samples == 1 ? kCoverageSamples : 1;
-    DPL_RETURN_IF_ERROR(backend_.drawPipeline(drawPipelineOf(frame.ids, other)));
-    if (frame.shape.fill == Fill::Tiles) {
-        DPL_RETURN_IF_ERROR(backend_.computePipeline(tileFillOf(frame.ids, other)));
+    if (!tiles) {
+        DPL_RETURN_IF_ERROR(backend_.drawPipeline(drawPipelineOf(frame.ids, other)));
+        return {};
+    }
+    const TileKernels kernels = tileKernelsOf(frame.ids, other);
+    for (const std::string& kernel : {kernels.fill, kernels.search}) {
+        DPL_RETURN_IF_ERROR(backend_.computePipeline(kernel));
     }
     return {};
 }

@@ -56,7 +56,7 @@ struct FrameSlot {
     gpu::FrameCounts countsBefore;
 };
 
-/** A scene set in one shape. Owns its buffers and recordings, and its target unless that is lent. */
+/** A scene set in one shape. Owns its buffers and recordings, and its target unless that is lent. Tiles fill it without a target. */
 struct RecordedFrame {
     RecordedFrame(Backend& backend, const FrameShape& shape, FrameTarget target)
         : shape(shape), target(std::move(target)), buffers(backend) {}
@@ -111,7 +111,7 @@ public:
                std::function<void(const RecordedFrame&)> onFree);
     ~FrameCache();
 
-    /** Makes the target of a frame that is about to be recorded. */
+    /** Makes the target of a frame that quads fill and that is about to be recorded. */
     using TargetMaker = FunctionRef<Result<FrameTarget>(const TargetDesc&)>;
 
     /** The scene set of these subjects of the store. Creates its lists on first use. A set of one is kept as long as its avatar; of
@@ -128,10 +128,10 @@ private:
     Status makeLists(SceneSet& set);
     TargetDesc targetOf(const FrameIds& ids, const FrameShape& shape) const;
     FrameIds idsOf(const SceneSet& set, const FrameShape& shape) const;
-    Status record(const SceneSet& set, RecordedFrame& frame);
+    Status record(const SceneSet& set, RecordedFrame& frame, const TilePlan* tiles);
     Status makeTileLists(RecordedFrame& frame, const TilePlan& tiles);
     Status recordSlot(const SceneSet& set, RecordedFrame& frame, FrameSlot& slot, const TilePlan* tiles);
-    Status preparePipelines(const SceneSet& set, const RecordedFrame& frame);
+    Status preparePipelines(const SceneSet& set, const RecordedFrame& frame, const TilePlan* tiles);
     void free(RecordedFrame& frame);
     void free(SceneSet& set);
 

@@ -55,7 +55,7 @@ struct FrameIds {
     BufferId projected, visibility, survivors, counts;
     BufferId pairs, pairsSwap;  // (depth key, splat); after sorting, `pairs` holds the splats alone
     TableIds digits;            // of the sort: [digit][run]
-    TargetId target;
+    TargetId target;            // none: tiles fill
 
     uint32_t sortRounds() const { return floatKeys ? gpu::kFloatSortRounds : wide ? gpu::kWideSortRounds : gpu::kSortRounds; }
     uint32_t maxDepthKey() const { return floatKeys ? gpu::kFloatDepthKeys : (1u << (sortRounds() * gpu::kSortDigitBits)) - 1; }

@@ -23,20 +23,18 @@ Result<std::span<const PixelView>> FrameReader::read(std::span<const SubmittedFr
 
 Status FrameReader::copy(const RecordedFrame& frame, const FrameSlot& slot, Readback& readback) {
     DPL_RETURN_IF_ERROR(backend_.wait(slot.recorded));
-    readback.fromTiles = frame.ids.tilePixels && countsOf(slot).tilesOverflowed == 0;
-    FrameId& recorded = readback.copy[readback.fromTiles];
-    if (!recorded) {
-        DPL_TRY(recorded, recordCopy(frame, readback.fromTiles, readback));
+    if (!readback.copy) {
+        DPL_TRY(readback.copy, recordCopy(frame, readback));
     }
     readback.lastNumber = slot.last.number;
-    return backend_.run(recorded);
+    return backend_.run(readback.copy);
 }
 
-Result<FrameId> FrameReader::recordCopy(const RecordedFrame& frame, bool fromTiles, Readback& readback) {
+Result<FrameId> FrameReader::recordCopy(const RecordedFrame& frame, Readback& readback) {
     const FrameIds& ids = frame.ids;
     const uint64_t pixels = uint64_t(ids.widthPx) * ids.heightPx * ids.viewCount;
     const auto bufferOf = [&](BufferId& buffer, const char* label, uint64_t bytes) -> Status {
-        if (buffer) return {};
+        if (buffer) return {};  // of an attempt that failed
         DPL_TRY(buffer, readback.buffers.create(label, bytes, BufferMemory::Readback));
         return {};
     };
@@ -45,7 +43,7 @@ Result<FrameId> FrameReader::recordCopy(const RecordedFrame& frame, bool fromTil
     if (ids.depth) {
         DPL_RETURN_IF_ERROR(bufferOf(readback.depth, "depth pixels", pixels * (backend_.info().halfDepth ? 4 : 8)));
     }
-    if (fromTiles) {
+    if (ids.tilePixels) {
         plan.copy("readback", ids.tilePixels, readback.colour);
         if (ids.depth) plan.copy("readback", ids.tilePixels, readback.depth, frame.tileDepthOffset);
     } else {
@@ -62,7 +60,7 @@ void FrameReader::takePixels(const RecordedFrame& frame, const Readback& readbac
     const FrameShape& shape = frame.shape;
     const size_t pixels = size_t(shape.widthPx) * shape.heightPx;
     const std::span<std::byte> mapped = backend_.mapped(readback.colour);
-    if (!readback.fromTiles) opacityFromTransmittance(mapped);
+    if (!frame.ids.tilePixels) opacityFromTransmittance(mapped);
     const auto* colour = reinterpret_cast<const uint8_t*>(mapped.data());
     for (size_t v = 0; v < shape.views; ++v) {
         std::vector<float>& depthM = depthM_[firstView + v];
@@ -187,14 +185,13 @@ void FrameReader::addPassTimes(const Finished& drawn, FrameStats& stats) const {
     };
     append(drawn.slot->recorded);
     const auto readback = readbacks_.find(drawn.frame->key);
-    if (readback != readbacks_.end() && readback->second.lastNumber == drawn.facts.number)
-        append(readback->second.copy[readback->second.fromTiles]);
+    if (readback != readbacks_.end() && readback->second.lastNumber == drawn.facts.number) append(readback->second.copy);
 }
 
 void FrameReader::forget(const RecordedFrame& frame) {
     const auto found = readbacks_.find(frame.key);
     if (found == readbacks_.end()) return;
-    for (const FrameId recorded : found->second.copy) backend_.destroyFrame(recorded);
+    backend_.destroyFrame(found->second.copy);
     readbacks_.erase(found);
 }
 

@@ -35,13 +35,12 @@ private:
         explicit Readback(Backend& backend) : buffers(backend) {}
         DeviceBuffers buffers;
         BufferId colour, depth, meshDepth;
-        FrameId copy[2];          // of the target's pixels; of those that tiles filled (FrameIds::tilePixels)
+        FrameId copy;
         uint64_t lastNumber = 0;  // of the frame that was read last
-        bool fromTiles = false;   // which copy that read used
     };
 
     Status copy(const RecordedFrame& frame, const FrameSlot& slot, Readback& readback);
-    Result<FrameId> recordCopy(const RecordedFrame& frame, bool fromTiles, Readback& readback);
+    Result<FrameId> recordCopy(const RecordedFrame& frame, Readback& readback);
     void takePixels(const RecordedFrame& frame, const Readback& readback, size_t firstView);
     void takeDepth(std::span<const std::byte> sums, size_t firstPixel, std::vector<float>& depthM) const;
     gpu::FrameCounts countsOf(const FrameSlot& slot) const;

@@ -29,12 +29,14 @@ void planFrame(FramePlan& plan, const FrameIds& frame, std::span<const SubjectId
     if (frame.allSplats > 0) {
         addCompact(plan, frame);
         addSort(plan, frame);
-        if (tiles) addTiles(plan, frame, *tiles);
     } else {  // the draw has no vertices, because its arguments are zero, but still clears the target
         plan.fill("no pairs", frame.pairs, 0);
         plan.fill("no splats", frame.projected, 0);
     }
-    addDraw(plan, frame);
+    if (tiles)
+        addTiles(plan, frame, *tiles);
+    else
+        addDraw(plan, frame);
     plan.copy("counts", frame.counts, finalCounts);
 }
 

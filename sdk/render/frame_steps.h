@@ -10,8 +10,8 @@
 
 namespace dpl {
 
-/** Appends all steps of a frame that draws `subjects` into frame.target, and the copy of its counts into `finalCounts`. Creates nothing
- *  and submits nothing: the caller owns buffers, target and plan. tiles: null when only quads fill. */
+/** Appends all steps of a frame that draws `subjects`, and the copy of its counts into `finalCounts`. Creates nothing and submits nothing:
+ *  the caller owns buffers, target and plan. tiles: of a frame with splats, which fills frame.tilePixels; null: quads fill frame.target. */
 void planFrame(FramePlan& plan, const FrameIds& frame, std::span<const SubjectIds> subjects, const TilePlan* tiles, BufferId finalCounts);
 
 }  // namespace dpl

@@ -8,7 +8,7 @@
 
 namespace dpl {
 
-/** Either a target that is made for one frame and destroyed with it, or one that its owner lends and keeps until the frame is gone. The
+/** A target that is made for one frame and destroyed with it, or one that its owner lends and keeps until the frame is gone, or none. The
  *  backend must live longer. Move-only. One thread at a time, as the backend. */
 class FrameTarget {
 public:
@@ -17,6 +17,7 @@ public:
         return FrameTarget(&backend, id);
     }
     static FrameTarget lent(TargetId id) { return FrameTarget(nullptr, id); }
+    static FrameTarget none() { return FrameTarget(nullptr, {}); }
 
     FrameTarget(FrameTarget&& other) noexcept : owner_(std::exchange(other.owner_, nullptr)), id_(other.id_) {}
     FrameTarget& operator=(FrameTarget&& other) noexcept {
@@ -33,7 +34,7 @@ public:
 private:
     FrameTarget(Backend* owner, TargetId id) : owner_(owner), id_(id) {}
 
-    Backend* owner_;  // null: lent
+    Backend* owner_;  // null: lent, or none
     TargetId id_;
 };
 

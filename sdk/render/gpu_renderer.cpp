@@ -173,8 +173,8 @@ Status GpuRenderer::encode(const RecordedFrame& frame, const FrameSlot& slot, co
     }
     DPL_RETURN_IF_ERROR(backend_->encode(slot.recorded, app.slot, app.commands));
     for (uint32_t view = 0; view < frame.shape.views; ++view)
-        encoded_[encodedCount_++] = {frame.ids.target,   view, frame.ids.tilePixels, frame.ids.counts, frame.tileDepthOffset,
-                                     frame.ids.meshDepth};
+        encoded_[encodedCount_++] = {frame.ids.widthPx,    frame.ids.heightPx,    frame.ids.target,   view,
+                                     frame.ids.tilePixels, frame.tileDepthOffset, frame.ids.meshDepth};
     return {};
 }
 

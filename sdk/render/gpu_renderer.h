@@ -43,10 +43,10 @@ struct AppFrame {
 
 /** Where the picture of a view lies once the app's commands have run. Valid until the slot is used again. */
 struct EncodedView {
-    TargetId target;
-    uint32_t view = 0;    // of the target and of tilePixels
+    uint32_t widthPx = 0, heightPx = 0;
+    TargetId target;      // none: tiles fill
+    uint32_t view = 0;    // of the target or of tilePixels
     BufferId tilePixels;  // none: quads fill
-    BufferId counts;      // FrameCounts; they say whether the tile lists overflowed, so that quads filled
     // Where FrameWants asked for depth:
     uint64_t tileDepthOffset = 0;  // in tilePixels, bytes; quads leave the sums in the target
     BufferId meshDepth;            // of the mesh; none: not wanted

@@ -5,11 +5,10 @@
 #extension GL_EXT_samplerless_texture_functions : require
 layout(binding = 0) uniform texture2DArray drawn;
 layout(std430, binding = 1) readonly buffer TiledBlock { uint tiled[]; };
-layout(std430, binding = 2) readonly buffer CountsBlock { FrameCounts counts; };
 layout(push_constant) uniform PushBlock { ComposePush push; };
 
 bool dplComposes(uint view) { return (push.views >> view & 1u) != 0u; }
-bool dplByTiles() { return push.tiled != 0u && counts.tilesOverflowed == 0u; }
+bool dplByTiles() { return push.tiled != 0u; }
 /** Pixel of the picture. */
 ivec2 dplPicturePixel() { return ivec2(gl_FragCoord.xy - vec2(push.placeX, push.placeY)); }
 ivec3 dplDrawnTexel(uint view, ivec2 at) { return ivec3(at, int(view - push.drawnFrom)); }

@@ -178,10 +178,10 @@ struct FrameCounts {                          // written and read by the GPU; co
     uint splatsFacing;                                                     // of these, the ones that are not turned away
     uint chunkGroupsX, chunkGroupsY, chunkGroupsZ;  // VkDispatchIndirectCommand over the groups of splats that have a splat of splatsFacing
     uint tileSpans;                                 // spans of all rows of tiles
-    uint spanGroupsX, spanGroupsY, spanGroupsZ;     // VkDispatchIndirectCommand over the runs; zero when the spans do not fit
-    uint tileEntries;                               // entries of all tiles
+    uint searchGroupsX, searchGroupsY, searchGroupsZ;  // VkDispatchIndirectCommand over the tiles; zero when the entries fit
+    uint tileEntries;                                  // entries of all tiles
     uint rowGroupsX, rowGroupsY, rowGroupsZ;  // VkDispatchIndirectCommand over segments of rows of tiles; zero when the spans do not fit
-    uint tilesOverflowed;                     // 1: a list was too small, so the quads draw this frame
+    uint tilesOverflowed;                     // 1: a list was too small, so each tile searches for its splats
     uint entryGroupsX, entryGroupsY, entryGroupsZ;  // the same; zero when the entries do not fit
     uint fillGroupsX, fillGroupsY, fillGroupsZ;     // VkDispatchIndirectCommand over the tiles; zero when the entries do not fit
     uint depthMaxBits[16];  // by subject (kMaxDrawn): extent along the sort axis, as ordered bits (lib/order.glsl); 0: none
@@ -314,7 +314,7 @@ struct ComposePush {       // a draw in an app's pass
     uint views;       // 1 << view of those that the draw composes; others are left alone
     uint drawnFrom;   // the view in layer 0 of the image that quads fill
     uint bufferFrom;  // the view that begins the buffers
-    uint tiled;       // 1: tiles filled the picture, unless their lists overflowed
+    uint tiled;       // 1: tiles filled the picture
     uint linear;      // 1: the target holds linear light, or its format encodes it; 0: display-referred values
     // Of the draw that writes depth.
     uint mesh;            // 1: of the mesh; 0: of the splats

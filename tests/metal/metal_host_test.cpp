@@ -380,7 +380,7 @@ TEST(MetalHost, composeOrdersTheAppsEncoderBehindPrepareAndSetsAllThatItNeeds) {
     RecordingSeam seam(mine);
     RenderEncoderRef encoder{seam.newFence().object};
     EXPECT_FALSE(b.backend->compose(layered, 0, 0, {0, 0}, {encoder.object})) << "not prepared";
-    const LayerPlace places[] = {{target, 0, {}, b.counts}, {target, 1, {}, b.counts}};
+    const LayerPlace places[] = {{64, 48, target, 0}, {64, 48, target, 1}};
     ASSERT_TRUE(b.backend->setLayers(0, places));
     b.record.calls.clear();
     ASSERT_TRUE(b.backend->compose(layered, 0, 0, {-3, 5}, {encoder.object}));
@@ -391,13 +391,13 @@ TEST(MetalHost, composeOrdersTheAppsEncoderBehindPrepareAndSetsAllThatItNeeds) {
     b.placeOf("viewport -3 5 64 48");
     b.placeOf("depth stencil keep depth");
     b.placeOf("fragment texture 0 = colour");
-    b.placeOf("fragment buffer 2 = counts");
+    b.placeOf("fragment buffer 1 = unread");
     EXPECT_LT(b.placeOf("wait fence written before 2"), b.placeOf("draw 3 x 2"));
     EXPECT_LT(b.placeOf("draw 3 x 2"), b.placeOf("update fence composed 0 after 2"));
     b.record.calls.clear();
     ASSERT_TRUE(b.backend->composeDepth(layered, 0, 0, {}, {0, 0.1f}, {encoder.object}));
     b.placeOf("depth stencil nearer");
-    b.placeOf("fragment texture 3 = depth sums");
+    b.placeOf("fragment texture 2 = depth sums");
     b.placeOf("update fence composed 1 after 2");
     b.record.calls.clear();
     ASSERT_TRUE(b.backend->compose(single, 0, 1, {0, 0}, {encoder.object}));

@@ -137,6 +137,35 @@ MslFrame runFrame(const AvatarData& avatar, const Pose& pose, std::span<const Ca
     return out;
 }
 
+namespace {
+
+/** Fills from lists of the plan's sizes; where they overflow, by a search. */
+std::vector<uint32_t> fillBy(const TilePlan& plan, const FrameIds& ids, MslFrame& f, int order, std::span<const float> farthestSeenM) {
+    const gpu::TilePush& push = plan.push;
+    std::vector<uint32_t> table(plan.tableWords), sums(plan.sumWords), places(plan.tableWords, 0xCDCDCDCD), spans(plan.spanBytes / 4),
+        entries(plan.entryBytes / 4), pixels(plan.pixelBytes / 4);
+    run(msl_tiles_runs_stereo, f.counts.runGroupsX, order, {f.sorted.data(), f.projected.data(), &f.counts, table.data()}, push);
+    scan(f.counts, table, sums, places, {0, push.firstRunTable, push.firstSpanSum}, plan.rows(), order);
+    run(msl_tiles_args_spans, 1, order, {sums.data(), &f.counts, places.data()}, push);
+    run(msl_tiles_spans_stereo, f.counts.runGroupsX, order, {f.sorted.data(), f.projected.data(), places.data(), spans.data()}, push);
+    run(msl_tiles_count, f.counts.rowGroupsX, order, {spans.data(), sums.data(), table.data()}, push);
+    scan(f.counts, table, sums, places, {push.columns * gpu::kTileSegments, push.firstTileTable, push.firstEntrySum}, plan.rows(), order);
+    run(msl_tiles_args_entries, 1, order, {sums.data(), &f.counts}, push);
+    run(msl_tiles_entries, f.counts.entryGroupsX, order, {spans.data(), sums.data(), places.data(), entries.data()}, push);
+    if (ids.sceneDepth) std::memcpy(pixels.data() + push.firstScene, farthestSeenM.data(), farthestSeenM.size_bytes());
+    const auto kernel = [&](auto plain, auto scene, auto four, auto sceneFour) {
+        return ids.samples == 1 ? ids.sceneDepth ? scene : plain : ids.sceneDepth ? sceneFour : four;
+    };
+    const auto fill = kernel(msl_tiles_fill_depth, msl_tiles_fill_depth_scene, msl_tiles_fill_depth_four, msl_tiles_fill_depth_scene_four);
+    const auto search =
+        kernel(msl_tiles_search_depth, msl_tiles_search_depth_scene, msl_tiles_search_depth_four, msl_tiles_search_depth_scene_four);
+    run(fill, f.counts.fillGroupsX, order, {places.data(), entries.data(), f.projected.data(), pixels.data()}, push);
+    run(search, f.counts.searchGroupsX, order, {places.data(), spans.data(), f.projected.data(), pixels.data()}, push);
+    return pixels;
+}
+
+}  // namespace
+
 std::vector<uint32_t> fillTiles(MslFrame& f, std::span<const Cameraf> views, int order, std::span<const float> farthestSeenM,
                                 uint32_t samples) {
     FrameIds ids;
@@ -145,25 +174,20 @@ std::vector<uint32_t> fillTiles(MslFrame& f, std::span<const Cameraf> views, int
     ids.sceneDepth = !farthestSeenM.empty(), ids.samples = samples;
     const auto tiles = planTiles(ids, {.maxBindingBytes = 128u << 20, .maxGroups = 65535});
     EXPECT_TRUE(tiles);
-    const gpu::TilePush& push = tiles->push;
-    std::vector<uint32_t> table(tiles->tableWords), sums(tiles->sumWords), places(tiles->tableWords, 0xCDCDCDCD),
-        spans(tiles->spanBytes / 4), entries(tiles->entryBytes / 4), pixels(tiles->pixelBytes / 4);
-    run(msl_tiles_runs_stereo, f.counts.runGroupsX, order, {f.sorted.data(), f.projected.data(), &f.counts, table.data()}, push);
-    scan(f.counts, table, sums, places, {0, push.firstRunTable, push.firstSpanSum}, tiles->rows(), order);
-    run(msl_tiles_args_spans, 1, order, {sums.data(), &f.counts, places.data()}, push);
-    run(msl_tiles_spans_stereo, f.counts.spanGroupsX, order, {f.sorted.data(), f.projected.data(), places.data(), spans.data()}, push);
-    run(msl_tiles_count, f.counts.rowGroupsX, order, {spans.data(), sums.data(), table.data()}, push);
-    scan(f.counts, table, sums, places, {push.columns * gpu::kTileSegments, push.firstTileTable, push.firstEntrySum}, tiles->rows(), order);
-    run(msl_tiles_args_entries, 1, order, {sums.data(), &f.counts}, push);
-    EXPECT_EQ(f.counts.drawInstances, 0u) << "the quads have nothing to do";
+    const std::vector<uint32_t> pixels = fillBy(*tiles, ids, f, order, farthestSeenM);
     EXPECT_EQ(f.counts.tilesOverflowed, 0u);
     EXPECT_GT(f.counts.tileEntries, f.counts.visible);
-    run(msl_tiles_entries, f.counts.entryGroupsX, order, {spans.data(), sums.data(), places.data(), entries.data()}, push);
-    if (ids.sceneDepth) std::memcpy(pixels.data() + push.firstScene, farthestSeenM.data(), farthestSeenM.size_bytes());
-    const auto fill = samples == 1     ? ids.sceneDepth ? msl_tiles_fill_depth_scene : msl_tiles_fill_depth
-                      : ids.sceneDepth ? msl_tiles_fill_depth_scene_four
-                                       : msl_tiles_fill_depth_four;
-    run(fill, f.counts.fillGroupsX, order, {places.data(), entries.data(), f.projected.data(), pixels.data()}, push);
+    for (const bool ofSpans : {false, true}) {  // with lists that are too small
+        TilePlan small = *tiles;
+        if (ofSpans)
+            small.push.spanCapacity = uint32_t(views.size()) * f.counts.visible;
+        else
+            small.push.entryCapacity = f.counts.tileEntries - 1;
+        MslFrame searched = f;
+        EXPECT_TRUE(fillBy(small, ids, searched, order, farthestSeenM) == pixels) << (ofSpans ? "all splats" : "the spans of a row");
+        EXPECT_EQ(searched.counts.tilesOverflowed, 1u);
+        EXPECT_EQ(searched.counts.tileEntries > 0, !ofSpans);
+    }
     return pixels;
 }
 

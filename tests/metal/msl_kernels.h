@@ -38,6 +38,10 @@ DPL_MSL(msl_tiles_fill_depth);
 DPL_MSL(msl_tiles_fill_depth_scene);
 DPL_MSL(msl_tiles_fill_depth_four);
 DPL_MSL(msl_tiles_fill_depth_scene_four);
+DPL_MSL(msl_tiles_search_depth);
+DPL_MSL(msl_tiles_search_depth_scene);
+DPL_MSL(msl_tiles_search_depth_four);
+DPL_MSL(msl_tiles_search_depth_scene_four);
 #undef DPL_MSL
 
 namespace dpl {

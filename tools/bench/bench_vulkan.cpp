@@ -67,7 +67,7 @@ int main(int argc, char** argv) {
             const auto pass = splats->passTime(i);
             if (!pass) return failed(pass.error().message);
             const std::string label = pass->label;
-            const bool raster = label == "tiles.fill" || label == "draw.splats" || label == "readback";
+            const bool raster = label == "tiles.fill" || label == "tiles.search" || label == "draw.splats" || label == "readback";
             const int part = label.starts_with("splat.")                                   ? 0
                              : label.starts_with("sort.") || label.starts_with("compact.") ? 1
                              : raster                                                      ? 3

@@ -218,8 +218,13 @@ private:
     };
     struct Layer {  // of a view; what setLayers() said
         TextureRef drawn, sums;
-        BufferRef tiled, counts, mesh;
+        BufferRef tiled, mesh;
     };
+    struct Unread {  // what is bound in place of what a picture lacks
+        TargetId target;
+        BufferId buffer;
+    };
+    Result<Unread> makeUnread();
     bool viewsShareImage(const TargetDesc&) const override { return true; }
     void setLayer(uint32_t slot, uint32_t view, const LayerPlace& place) override;
     Status drawPicture(const PictureDraw& what, PassCommands pass) override;
@@ -256,7 +261,8 @@ private:
     PipelineId readScene_[2][2];                                       // [without layers][four samples]
     DepthStencilRef keepDepth_, nearer_[2];                            // compose(); composeDepth() where less is nearer, where greater is
     std::array<std::array<Layer, gpu::kMaxViews>, kAppSlots> layers_;  // by slot and view
-    std::array<CommandsRef, kAppSlots> submissions_{};                 // begun and not committed
+    Unread unread_;
+    std::array<CommandsRef, kAppSlots> submissions_{};  // begun and not committed
 };
 
 /** On an app's id<MTLDevice> and id<MTLCommandQueue>. Errors as lendSeam() and createMetalBackend(). */

@@ -16,7 +16,7 @@ constexpr TargetFormat kTargetFormats[] = {
 };
 
 // Indices of compose.depth. compose.frag has the first texture and buffers.
-enum : uint32_t { kDrawn, kTiled, kCounts, kSums, kMesh };
+enum : uint32_t { kDrawn, kTiled, kSums, kMesh };
 
 bool isArray(TextureType type) {
     return type == TextureType::Array || type == TextureType::ArraySamples;
@@ -31,10 +31,20 @@ bool hasDepth(PixelFormat format) {
 
 }  // namespace
 
+/** A texture and a buffer for what compose binds and does not read. */
+Result<MetalBackend::Unread> MetalBackend::makeUnread() {
+    Unread made;
+    DPL_TRY(made.target,
+            createTarget({.widthPx = 1, .heightPx = 1, .multiview = info_.multiview, .colour = ColourFormat::Halves, .sampled = true}));
+    DPL_TRY(made.buffer, createBuffer({"unread", 16}));
+    return made;
+}
+
 /** Makes what all composers share. */
 Status MetalBackend::makeComposing() {
     marks_ = seam_->newSharedEvent();
     if (!marks_) return fail(Code::Device, "{} makes no shared event", info_.name);
+    DPL_TRY(unread_, makeUnread());
     DPL_TRY(readScene_[0][0], computePipeline("scene.read"));
     DPL_TRY(readScene_[0][1], computePipeline("scene.read.four"));
     DPL_TRY(readScene_[1][0], computePipeline("scene.read.flat"));
@@ -139,11 +149,9 @@ void MetalBackend::retireComposer(ComposerId id) {
 }
 
 void MetalBackend::setLayer(uint32_t slot, uint32_t view, const LayerPlace& place) {
-    const Target& target = targets_.at(place.target.value);
-    const BufferRef counts = buffers_.at(place.counts.value).buffer;
-    const auto orCounts = [&](BufferId id) { return id ? buffers_.at(id.value).buffer : counts; };  // for what is not read
-    layers_[slot][view] = {target.colour, target.depth ? target.depth : target.colour, orCounts(place.tilePixels), counts,
-                           orCounts(place.meshDepth)};
+    const Target& target = targets_.at((place.target ? place.target : unread_.target).value);
+    const auto bound = [&](BufferId id) { return buffers_.at((id ? id : unread_.buffer).value).buffer; };
+    layers_[slot][view] = {target.colour, target.depth ? target.depth : target.colour, bound(place.tilePixels), bound(place.meshDepth)};
 }
 
 /** The fence of the next compose of a frame. Made when a frame composes more often than those before. */
@@ -179,7 +187,6 @@ Status MetalBackend::drawPicture(const PictureDraw& what, PassCommands pass) {
         const Layer& from = layers_[what.slot][push.view];
         seam_->setFragmentTexture(encoder, from.drawn, kDrawn);
         seam_->setFragmentBuffer(encoder, from.tiled, 0, kTiled);
-        seam_->setFragmentBuffer(encoder, from.counts, 0, kCounts);
         if (what.depth) {
             seam_->setFragmentTexture(encoder, from.sums, kSums);
             seam_->setFragmentBuffer(encoder, from.mesh, 0, kMesh);

@@ -273,6 +273,10 @@ private:
     void setLayer(uint32_t slot, uint32_t view, const LayerPlace& place) override;
     Status drawPicture(const PictureDraw& what, PassCommands pass) override;
     void retireComposer(ComposerId composer) override;
+    struct Unread {  // what is bound in place of what a picture lacks
+        TargetId target;
+        BufferId buffer;
+    };
     Status makeLayerSlots();
     Result<bool> blendsLight(const AppPass& pass) const;
     Result<VkDescriptorSet> layerDescriptors(VkDescriptorSetLayout layout);
@@ -308,6 +312,7 @@ private:
     Pipeline composeLayout_;   // layouts and shaders of all composers, without a pipeline
     PipelineId readScene_[2];  // of one sample, of four
     VkDescriptorPool layerDescriptors_ = VK_NULL_HANDLE;
+    Unread unread_;
     std::array<LayerSlot, kAppSlots> layerSlots_;
     std::map<uint32_t, AppTarget> appTargets_;
     VkCommandPool submissionPool_ = VK_NULL_HANDLE;

@@ -19,8 +19,8 @@ constexpr TargetFormat kTargetFormats[] = {
 };
 
 // Bindings of compose.depth, in this order. compose.frag has the first image and buffers; both use the same descriptor sets.
-enum : uint32_t { kDrawn, kTiled, kCounts, kSums, kMesh, kBindings };
-constexpr uint32_t kImages = 2, kBuffers = 3;
+enum : uint32_t { kDrawn, kTiled, kSums, kMesh, kBindings };
+constexpr uint32_t kImages = 2, kBuffers = 2;
 constexpr uint32_t kSets = gpu::kMaxViews * kAppSlots;  // of pictures; and of scenes, each with an image and a buffer
 
 bool hasDepth(VkFormat format) {
@@ -34,6 +34,9 @@ bool hasDepth(VkFormat format) {
 Status VulkanBackend::makeLayerSlots() {
     marks_.desc = {"marks", kAppSlots * sizeof(uint32_t), BufferMemory::Readback};
     DPL_RETURN_IF_ERROR(makeBuffer(marks_));
+    DPL_TRY(unread_.target,
+            createTarget({.widthPx = 1, .heightPx = 1, .multiview = info().multiview, .colour = ColourFormat::Halves, .sampled = true}));
+    DPL_TRY(unread_.buffer, createBuffer({"unread", 16}));
     composeLayout_.shader = pack_.find("compose.vert");
     composeLayout_.fragment = pack_.find("compose.depth");
     if (!composeLayout_.shader || !composeLayout_.fragment) return fail(Code::Internal, "the shader pack has no compose shaders");
@@ -225,18 +228,16 @@ void VulkanBackend::retireComposer(ComposerId id) {
 }
 
 void VulkanBackend::setLayer(uint32_t slot, uint32_t view, const LayerPlace& place) {
-    const Target& target = targets_.at(place.target.value);
+    const Target& target = targets_.at((place.target ? place.target : unread_.target).value);
     const TargetDesc& desc = target.desc;
-    const Surface& surface = target.surfaces[desc.multiview ? 0 : place.view];
-    const Buffer& counts = buffers_.at(place.counts.value);
-    const auto orCounts = [&](BufferId id) -> const Buffer& { return id ? buffers_.at(id.value) : counts; };  // for what is not read
+    const Surface& surface = target.surfaces[desc.multiview || !place.target ? 0 : place.view];
+    const auto bound = [&](BufferId id) -> const Buffer& { return buffers_.at((id ? id : unread_.buffer).value); };
     VkDescriptorImageInfo images[kBindings]{};
     images[kDrawn] = {VK_NULL_HANDLE, surface.colour.view, VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL};
     images[kSums] = {VK_NULL_HANDLE, desc.depth ? surface.depth.view : surface.colour.view, VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL};
     VkDescriptorBufferInfo buffers[kBindings]{};
-    const Buffer &tiled = orCounts(place.tilePixels), &mesh = orCounts(place.meshDepth);
+    const Buffer &tiled = bound(place.tilePixels), &mesh = bound(place.meshDepth);
     buffers[kTiled] = {tiled.buffer, 0, tiled.desc.bytes};
-    buffers[kCounts] = {counts.buffer, 0, counts.desc.bytes};
     buffers[kMesh] = {mesh.buffer, 0, mesh.desc.bytes};
     VkWriteDescriptorSet writes[kBindings]{};
     for (uint32_t i = 0; i < kBindings; ++i) {

@@ -105,6 +105,18 @@ struct VulkanBackend::Recorder {
                                 nullptr);
     }
 
+    /** Gives an image that nothing draws or reads the layout that its descriptor promises. */
+    void makeReadable(const Image& image) {
+        VkImageMemoryBarrier change{VK_STRUCTURE_TYPE_IMAGE_MEMORY_BARRIER};
+        change.image = image.image;
+        change.srcQueueFamilyIndex = change.dstQueueFamilyIndex = VK_QUEUE_FAMILY_IGNORED;
+        change.subresourceRange = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 1, 0, VK_REMAINING_ARRAY_LAYERS};
+        change.dstAccessMask = VK_ACCESS_SHADER_READ_BIT;
+        change.newLayout = VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL;
+        vk.vkCmdPipelineBarrier(commands, VK_PIPELINE_STAGE_FRAGMENT_SHADER_BIT, VK_PIPELINE_STAGE_FRAGMENT_SHADER_BIT, 0, 0, nullptr, 0,
+                                nullptr, 1, &change);
+    }
+
     /** Copies f16 colour into the RGBA8 image by a blit, which converts and rounds. */
     void roundColour(const Target& target) {
         const uint32_t layers = target.desc.multiview ? target.desc.views : 1;
@@ -300,6 +312,7 @@ Status VulkanBackend::encode(FrameId id, uint32_t slot, AppCommands commands) {
     Recorder recorder{*this, buffer};
     // The frame before this one uses the same buffers, an app's pass may read them, and readScene() may just have written one.
     recorder.barrier(kReaders, kReaders);
+    if (unread_.target) recorder.makeReadable(targets_.at(unread_.target.value).surfaces[0].colour);
     DPL_RETURN_IF_ERROR(play(frame, buffer));
     endSlot(slot, commands);
     frame.running = true;

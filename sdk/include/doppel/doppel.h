@@ -682,7 +682,7 @@ typedef struct DplFrameStats {
      *  from the counts above and the layout. */
     uint64_t bytesDecided, bytesDecoded;
     uint32_t tileEntries;     /**< pairs of splat and tile over all views; 0 where quads or the CPU fill */
-    uint32_t tilesOverflowed; /**< 1: the tile lists overflowed, so quads filled this frame */
+    uint32_t tilesOverflowed; /**< 1: the tile lists were too small, so this frame took longer to fill */
     uint32_t splatsAllowed;   /**< most splats that dplSetDetail and the frame budget allowed for the whole scene set, before culling */
     float detailShare;        /**< share of this avatar's splats that level of detail kept when it was last drawn, 0 to 1 */
     /** Components of the whole scene set (head, trunk, hands, legs, garments); those that a view may show. The others are not posed. 0

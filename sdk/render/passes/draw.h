@@ -9,7 +9,7 @@ namespace dpl {
 /** Pipeline that draws a frame of this shape at this number of samples. */
 DrawPipelineDesc drawPipelineOf(const FrameIds& ids, uint32_t samples);
 
-/** One indirect draw of all survivors into every view. Where tiles have filled the frame it has no instance and only clears the target. */
+/** One indirect draw of all survivors into every view. */
 void addDraw(FramePlan& plan, const FrameIds& ids);
 
 }  // namespace dpl

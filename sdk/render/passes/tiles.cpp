@@ -13,7 +13,7 @@ namespace {
 // ones. The latter is counted for each 64 pixels, a tile at one sample, so that smaller tiles take no more memory.
 constexpr uint64_t kSpansPerSplat = 3, kSpansPer64Px = 48, kEntriesPerSplat = 4, kEntriesPer64Px = 128;
 
-constexpr uint32_t kTableHead = 2;  // words at the start of `places`: the numbers of splats and of runs
+constexpr uint32_t kTableHead = 3;  // words at the start of `places`: the numbers of splats, of runs and of spans
 
 }  // namespace
 
@@ -45,6 +45,7 @@ std::optional<TilePlan> planTiles(const FrameIds& ids, const DeviceInfo& device)
     p.entryCapacity = uint32_t(std::min(kEntriesPerSplat * records + kEntriesPer64Px * blocks, limit));
     p.fillGroups = uint32_t(std::min<uint64_t>((tiles * side + gpu::kTileGroup - 1) / gpu::kTileGroup, device.maxGroups));
     p.halfDepth = device.halfDepth ? 1 : 0;
+    if (records > p.spanCapacity) return std::nullopt;  // of a search: a span for each splat and view
     const auto part = [](uint64_t bytes) {
         return std::max<uint64_t>((bytes + 7) / 8 * 8, 16);
     };  // 16 bytes is the smallest buffer (DeviceBuffers), and each part is copied from or to a buffer of its own
@@ -59,9 +60,9 @@ std::optional<TilePlan> planTiles(const FrameIds& ids, const DeviceInfo& device)
     return plan;
 }
 
-std::string tileFillOf(const FrameIds& ids, uint32_t samples) {
-    return std::string(ids.shuffle ? "tiles.fill.shuffle" : "tiles.fill") + (ids.depth ? ".depth" : "") + (ids.sceneDepth ? ".scene" : "") +
-           (samples > 1 ? ".four" : "");
+TileKernels tileKernelsOf(const FrameIds& ids, uint32_t samples) {
+    const std::string of = std::string(ids.depth ? ".depth" : "") + (ids.sceneDepth ? ".scene" : "") + (samples > 1 ? ".four" : "");
+    return {(ids.shuffle ? "tiles.fill.shuffle" : "tiles.fill") + of, "tiles.search" + of};
 }
 
 void addTiles(FramePlan& plan, const FrameIds& ids, const TilePlan& tiles) {
@@ -77,7 +78,7 @@ void addTiles(FramePlan& plan, const FrameIds& ids, const TilePlan& tiles) {
         .reads(ids.pairs, ids.projected, ids.tiles.places)
         .writes(ids.tileSpans)
         .push(push)
-        .groupsFrom(ids.counts, offsetof(gpu::FrameCounts, spanGroupsX));
+        .groupsFrom(ids.counts, offsetof(gpu::FrameCounts, runGroupsX));
     plan.compute("tiles.count", "tiles.count")
         .reads(ids.tileSpans, ids.tiles.sums)
         .writes(ids.tiles.cells)
@@ -95,13 +96,18 @@ void addTiles(FramePlan& plan, const FrameIds& ids, const TilePlan& tiles) {
     plan.fill("tiles.clear", ids.tilePixels, 0);
     // The scene's depth lies behind the pixels in one buffer, because phones promise only four storage buffers a stage.
     if (ids.sceneDepth) plan.copy("tiles.scene", ids.scene, ids.tilePixels, push.firstScene * 4ull);
-    auto fill = plan.compute("tiles.fill", tileFillOf(ids, ids.samples));
-    fill.reads(ids.tiles.places, ids.tileEntries, ids.projected);
-    if (ids.sceneDepth)
-        fill.updates(ids.tilePixels);
-    else
-        fill.writes(ids.tilePixels);
-    fill.push(push).groupsFrom(ids.counts, offsetof(gpu::FrameCounts, fillGroupsX));
+    const TileKernels kernels = tileKernelsOf(ids, ids.samples);
+    const auto addFill = [&](const char* label, const std::string& kernel, BufferId list, uint64_t groups) {
+        auto fill = plan.compute(label, kernel);
+        fill.reads(ids.tiles.places, list, ids.projected);
+        if (ids.sceneDepth)
+            fill.updates(ids.tilePixels);
+        else
+            fill.writes(ids.tilePixels);
+        fill.push(push).groupsFrom(ids.counts, groups);
+    };
+    addFill("tiles.fill", kernels.fill, ids.tileEntries, offsetof(gpu::FrameCounts, fillGroupsX));
+    addFill("tiles.search", kernels.search, ids.tileSpans, offsetof(gpu::FrameCounts, searchGroupsX));
 }
 
 }  // namespace dpl

@@ -22,15 +22,18 @@ struct TilePlan {
     uint32_t rows() const { return push.viewCount * push.rows; }
 };
 
-/** Empty when the tables for this many splats and pixels do not fit the device. If a list overflows in a frame, the quads draw that
- *  frame. */
+/** Empty when the tables for this many splats and pixels do not fit the device. If a list overflows in a frame, the tiles of that frame
+ *  search for their splats. */
 std::optional<TilePlan> planTiles(const FrameIds& ids, const DeviceInfo& device);
 
-/** Name of the kernel that fills such frames with this many samples a pixel. */
-std::string tileFillOf(const FrameIds& ids, uint32_t samples);
+/** Names of the kernels that fill such frames with this many samples a pixel: from lists, and without them. */
+struct TileKernels {
+    std::string fill, search;
+};
+TileKernels tileKernelsOf(const FrameIds& ids, uint32_t samples);
 
 /** Builds the list of each tile from the sorted survivors, nearest first, and draws the lists into ids.tilePixels: RGBA8 of all views,
- *  then the depth sums. Sets the instance count of the draw to 0, unless a list was too small: then quads draw into the target. */
+ *  then the depth sums. The frame needs no target, even if a list was too small. */
 void addTiles(FramePlan& plan, const FrameIds& ids, const TilePlan& tiles);
 
 }  // namespace dpl

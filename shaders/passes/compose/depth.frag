@@ -7,8 +7,8 @@
 #include "shaders/lib/view.glsl"
 #include "shaders/lib/picture.glsl"
 
-layout(binding = 3) uniform texture2DArray sums;  // Σ α T z and Σ α T as quads draw them; tiles keep theirs behind the colours
-layout(std430, binding = 4) readonly buffer MeshBlock { float mesh[]; };  // view z, infinite where there is no mesh
+layout(binding = 2) uniform texture2DArray sums;  // Σ α T z and Σ α T as quads draw them; tiles keep theirs behind the colours
+layout(std430, binding = 3) readonly buffer MeshBlock { float mesh[]; };  // view z, infinite where there is no mesh
 
 /** View z, metres; not above 0 where nothing is drawn. */
 float dplSplatZ(uint view, ivec2 at) {

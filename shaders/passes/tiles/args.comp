@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Compares the size that the lists need with their capacity: once after the spans are counted, and once (DPL_ENTRIES) after the entries
-// are counted. If a list is too small, the remaining tile passes get no work and the quads draw the frame.
+// are counted. If a list is too small, the remaining passes that need lists get no work, and search.comp fills the frame.
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #include "shaders/shared/frame.h"
@@ -26,17 +26,17 @@ void main() {
     counts.fillGroupsX = fits ? push.fillGroups : 0u;
     counts.fillGroupsY = 1u;
     counts.fillGroupsZ = 1u;
-    if (fits) counts.drawInstances = 0u;
+    counts.searchGroupsX = fits ? 0u : push.fillGroups;
+    counts.searchGroupsY = 1u;
+    counts.searchGroupsZ = 1u;
 #else
     uint spans = sums[push.firstSpanSum + rows * kRowScanGroup];
     bool fits = spans <= push.spanCapacity;
-    places[0] = counts.visible;  // spans.comp reads the counts here, because all its four bindings are taken
+    places[0] = counts.visible;  // spans.comp and search.comp read the counts here, because all their four bindings are taken
     places[1] = counts.runs;
+    places[2] = spans;
     counts.tileSpans = spans;
     counts.tilesOverflowed = fits ? 0u : 1u;
-    counts.spanGroupsX = fits ? counts.runGroupsX : 0u;
-    counts.spanGroupsY = 1u;
-    counts.spanGroupsZ = 1u;
     counts.rowGroupsX = fits ? rowGroups : 0u;
     counts.rowGroupsY = 1u;
     counts.rowGroupsZ = 1u;

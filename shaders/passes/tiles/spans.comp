@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Writes the spans. A span holds the columns that one splat touches in one row of tiles. Spans are grouped by row, in depth order
-// within a row.
+// within a row. Where they do not fit, each splat gets one span in each view, with the columns of its bounding box.
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #include "shaders/shared/frame.h"
@@ -19,8 +19,23 @@ layout(push_constant) uniform PushBlock { TilePush push; };
 #define DPL_LISTS kMostTiles
 #include "shaders/lib/ranks.glsl"
 
+void dplWriteOneForAllRows(uint run, uint end, uint visible) {
+    for (uint v = 0u; v < kViews; ++v)
+        for (uint i = run * kRun + gl_LocalInvocationIndex; i < end; i += kRunGroup) {
+            uint slot = v * push.splatCount + DPL_WORD(order, i);
+            ProjectedSplat p = dplRecord(slot);
+            float radiusPx = dplEllipseOf(p).radiusXPx;
+            uvec2 columns = dplShown(p.opacityAndRadius) ? dplTilesIn(p.centrePx.x - radiusPx - 0.01, p.centrePx.x + radiusPx + 0.01, push.widthPx) : kNoTiles;
+            spans[v * visible + i] = TileSpan(slot, columns.x | columns.y << 16u);
+        }
+}
+
 void main() {
     uint visible = DPL_WORD(places, 0u), runs = DPL_WORD(places, 1u), run = gl_WorkGroupID.x, end = min((run + 1u) * kRun, visible);
+    if (DPL_WORD(places, 2u) > push.spanCapacity) {
+        dplWriteOneForAllRows(run, end, visible);
+        return;
+    }
     for (uint v = 0u; v < kViews; ++v) {
         if (v > 0u) barrier();  // lanes are leaving the rows of the view before
         for (uint row = gl_LocalInvocationIndex; row < push.rows; row += kRunGroup)

@@ -120,8 +120,8 @@ TEST(ShaderPack, structsHaveTheSameOffsetsInCppAndInTheBuiltShaders) {
                                                       DPL_AT(FrameCounts, splatsInView),    DPL_AT(FrameCounts, splatsFacing),
                                                       DPL_AT(FrameCounts, chunkGroupsX),    DPL_AT(FrameCounts, chunkGroupsY),
                                                       DPL_AT(FrameCounts, chunkGroupsZ),    DPL_AT(FrameCounts, tileSpans),
-                                                      DPL_AT(FrameCounts, spanGroupsX),     DPL_AT(FrameCounts, spanGroupsY),
-                                                      DPL_AT(FrameCounts, spanGroupsZ),     DPL_AT(FrameCounts, tileEntries),
+                                                      DPL_AT(FrameCounts, searchGroupsX),   DPL_AT(FrameCounts, searchGroupsY),
+                                                      DPL_AT(FrameCounts, searchGroupsZ),   DPL_AT(FrameCounts, tileEntries),
                                                       DPL_AT(FrameCounts, rowGroupsX),      DPL_AT(FrameCounts, rowGroupsY),
                                                       DPL_AT(FrameCounts, rowGroupsZ),      DPL_AT(FrameCounts, tilesOverflowed),
                                                       DPL_AT(FrameCounts, entryGroupsX),    DPL_AT(FrameCounts, entryGroupsY),
@@ -227,11 +227,10 @@ TEST(ShaderPack, workgroupsAreThoseThatTheSharedLimitsName) {
                                             {"tiles.spans.stereo", gpu::kRunGroup},
                                             {"tiles.count", gpu::kRunGroup},
                                             {"tiles.entries", gpu::kRunGroup}};
-    for (const char* fetch : {"", ".shuffle"})
+    for (const char* fill : {"tiles.fill", "tiles.fill.shuffle", "tiles.search"})
         for (const char* depth : {"", ".depth"})
             for (const char* scene : {"", ".scene"})
-                for (const char* samples : {"", ".four"})
-                    want[formatText("tiles.fill{}{}{}{}", fetch, depth, scene, samples)] = gpu::kTileGroup;
+                for (const char* samples : {"", ".four"}) want[formatText("{}{}{}{}", fill, depth, scene, samples)] = gpu::kTileGroup;
     for (const char* name : {"project", "colour.general"})
         for (uint32_t degree = 0; degree <= 3; ++degree)
             for (const char* views : {"", ".stereo"}) want[formatText("{}.sh{}{}", name, degree, views)] = gpu::kSplatGroup;

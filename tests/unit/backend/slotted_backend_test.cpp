@@ -215,10 +215,12 @@ TEST(SlottedBackend, picturesAreComposedByOneDrawForEachImage) {
                      mesh = api.composer({true, 0, PictureDepth::Mesh});
     EXPECT_EQ(api.depthsWritten(), uint32_t(PictureDepth::Splats) | uint32_t(PictureDepth::Mesh));
     const TargetId one = *api.createTarget({64, 48, 2, true, /*multiview=*/true}), other = *api.createTarget({64, 48, 2, true, true});
-    const BufferId counts = api.bufferOf(64);
+    const BufferId left = api.bufferOf(64), right = api.bufferOf(64);
     ASSERT_TRUE(api.takeSlot(0));
     EXPECT_FALSE(api.compose(single, 0, 0, {}, kPass)) << "not prepared";
-    const LayerPlace shared[] = {{one, 0, {}, counts}, {one, 1, {}, counts}}, apart[] = {{one, 0, {}, counts}, {other, 0, {}, counts}};
+    const LayerPlace shared[] = {{64, 48, one, 0}, {64, 48, one, 1}}, apart[] = {{64, 48, one, 0}, {64, 48, other, 0}},
+                     tiled[] = {{64, 48, {}, 0, left}, {64, 48, {}, 1, left}},
+                     tiledApart[] = {{64, 48, {}, 0, left}, {64, 48, {}, 0, right}};
     ASSERT_TRUE(api.setLayers(0, shared));
     EXPECT_EQ(api.take(), (Calls{"slot 0 ran", "layer 0 0", "layer 0 1"}));
     ASSERT_TRUE(api.compose(layered, 0, 0, {-3, 5}, kPass));
@@ -231,6 +233,14 @@ TEST(SlottedBackend, picturesAreComposedByOneDrawForEachImage) {
     api.take();
     ASSERT_TRUE(api.compose(layered, 0, 0, {}, kPass));
     EXPECT_EQ(api.take(), (Calls{"colour at 0 0: view 0 of 1 view 1 of 2"}));
+    ASSERT_TRUE(api.setLayers(0, tiledApart));
+    api.take();
+    ASSERT_TRUE(api.compose(layered, 0, 0, {}, kPass));
+    EXPECT_EQ(api.take(), (Calls{"colour at 0 0: view 0 of 1 view 1 of 2"})) << "a buffer for each eye";
+    ASSERT_TRUE(api.setLayers(0, tiled));
+    api.take();
+    ASSERT_TRUE(api.compose(layered, 0, 0, {}, kPass));
+    EXPECT_EQ(api.take(), (Calls{"colour at 0 0: view 0 of 3"})) << "tiles fill without a target";
     EXPECT_FALSE(api.compose(single, 0, 2, {}, kPass)) << "there are two views";
     const Status noDepth = api.composeDepth(single, 0, 0, {}, {0, 1}, kPass);
     ASSERT_FALSE(noDepth);
@@ -249,7 +259,7 @@ TEST(SlottedBackend, picturesAreComposedByOneDrawForEachImage) {
 TEST(SlottedBackend, aSlotLacksTheDepthOfComposersThatWereMadeLater) {
     NotedApi api;
     const TargetId target = *api.createTarget({64, 48, 1, true, true});
-    const LayerPlace places[] = {{target, 0, {}, api.bufferOf(64)}};
+    const LayerPlace places[] = {{64, 48, target, 0}};
     ASSERT_TRUE(api.takeSlot(0));
     const ComposerId later = api.composer({false, 0, PictureDepth::Splats});
     ASSERT_TRUE(api.setLayers(0, places));

@@ -60,6 +60,17 @@ TEST(FrameCache, destroysATargetThatItWasGiven) {
     EXPECT_EQ(s.record->liveTargets, 0u);
 }
 
+TEST(FrameCache, asksForNoTargetWhereTilesFill) {
+    CacheSetup s;
+    SceneSet& set = **s.cache.sceneSet(std::vector{s.add()});
+    FrameShape shape = kShape;
+    shape.fill = Fill::Tiles;
+    const auto frame = s.cache.frame(set, shape, [&](const TargetDesc&) -> Result<FrameTarget> { return fail(Code::Internal, "asked"); });
+    ASSERT_TRUE(frame) << frame.error().message;
+    EXPECT_FALSE((*frame)->ids.target);
+    EXPECT_TRUE((*frame)->ids.tilePixels);
+}
+
 TEST(FrameCache, keepsTheShapesDrawnLastAndTellsOfTheOthers) {
     CacheSetup s;
     SceneSet& set = **s.cache.sceneSet(std::vector{s.add()});

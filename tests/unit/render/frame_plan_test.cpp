@@ -166,7 +166,8 @@ TEST(FramePlan, timingOfACantedPairIsThatOfBothItsFrames) {
     EXPECT_EQ(gpu.renderer->stats(*id)->views, 2u);
 }
 
-TEST(FramePlan, tilesRunBetweenSortAndDraw) {
+/** A frame that tiles fill pays for no pass of quads: it neither has a target nor clears, draws or resolves one. */
+TEST(FramePlan, tilesRunBehindTheSortAndNothingIsDrawn) {
     NullSetup gpu;
     gpu.renderer->setFill(Fill::Tiles);
     auto id = gpu.renderer->addAvatar(tube());
@@ -175,18 +176,20 @@ TEST(FramePlan, tilesRunBetweenSortAndDraw) {
     ASSERT_TRUE(status) << status.error().message;
     const std::vector<std::string>& labels = gpu.record->lastLabels;
     const auto from = std::find(labels.begin(), labels.end(), "tiles.runs");
-    const std::vector<std::string> want = {"tiles.runs",  "tiles.scan", "tiles.scan",  "tiles.scan", "tiles.args", "tiles.spans",
-                                           "tiles.count", "tiles.scan", "tiles.scan",  "tiles.scan", "tiles.args", "tiles.entries",
-                                           "tiles.clear", "tiles.fill", "draw.splats", "counts"};
+    const std::vector<std::string> want = {"tiles.runs",  "tiles.scan", "tiles.scan",   "tiles.scan", "tiles.args", "tiles.spans",
+                                           "tiles.count", "tiles.scan", "tiles.scan",   "tiles.scan", "tiles.args", "tiles.entries",
+                                           "tiles.clear", "tiles.fill", "tiles.search", "counts"};
     ASSERT_NE(from, labels.begin());
     EXPECT_EQ(*(from - 1), "sort.scatter");
     EXPECT_EQ(std::vector<std::string>(from, labels.end()), want);
+    EXPECT_EQ(gpu.record->liveTargets, 0u);
     const uint64_t created = gpu.record->createdObjects;
     ASSERT_TRUE(gpu.draw(*id, 32, 2, true));
     EXPECT_EQ(gpu.record->createdObjects, created) << "a warm frame creates nothing";
     gpu.renderer->setFill(Fill::Quads);
     ASSERT_TRUE(gpu.draw(*id, 32, 2, true));
     EXPECT_EQ(std::count(gpu.record->lastLabels.begin(), gpu.record->lastLabels.end(), "tiles.fill"), 0);
+    EXPECT_EQ(gpu.record->liveTargets, 1u);
     gpu.renderer->removeAvatar(*id);
     EXPECT_EQ(gpu.record->liveBuffers + gpu.record->liveTargets + gpu.record->liveFrames, 0u);
 }
@@ -303,9 +306,11 @@ TEST(FramePlan, aWarmFrameCreatesNothingOnEitherSideOfTheSwitchToFourSamples) {
             return bool(gpu.renderer->draw(*id, tubePose(0), {&camera, 1}, false));
         };
         ASSERT_TRUE(drawAt(1.8f));
-        EXPECT_EQ(gpu.record->liveTargets, 1u);
+        const uint64_t frames = gpu.record->liveFrames, targets = fill == Fill::Quads ? 1 : 0;
+        EXPECT_EQ(gpu.record->liveTargets, targets);
         ASSERT_TRUE(drawAt(8));
-        EXPECT_EQ(gpu.record->liveTargets, 2u) << "another number of samples is another target";
+        EXPECT_EQ(gpu.record->liveFrames, 2 * frames) << "another number of samples is another frame";
+        EXPECT_EQ(gpu.record->liveTargets, 2 * targets);
         const uint64_t created = gpu.record->createdObjects;
         EXPECT_EQ(std::count(gpu.record->lastLabels.begin(), gpu.record->lastLabels.end(), "tiles.fill"), fill == Fill::Tiles ? 1 : 0);
         for (int i = 0; i < 6; ++i) ASSERT_TRUE(drawAt(i % 2 ? 1.8f : 8));

@@ -28,8 +28,8 @@ inline VulkanTestOptions withPreciseBlending() {
     return options;
 }
 
-/** With vectors of 512 bits lavapipe 22.3.6 crashes while it compiles some fragment shaders: those for f16 targets, for targets of several
- *  samples, and for quads after an overflow of the tile lists. The faulting thread runs only the driver: it is inside LLVM's BitCastInst,
+/** With vectors of 512 bits lavapipe 22.3.6 crashes while it compiles some fragment shaders: those for f16 targets and for targets of
+ *  several samples. The faulting thread runs only the driver: it is inside LLVM's BitCastInst,
  *  called by libvulkan_lvp. In the four core dumps that were read, a use-list pointer holds the text "p_mask". */
 inline bool lavapipeCompilerCrashes() {
     const char* width = std::getenv("LP_NATIVE_VECTOR_WIDTH");

@@ -162,76 +162,76 @@ TEST_P(VulkanImage, everyListHoldsAFrameThatShowsEverySplat) {
     }
 }
 
-/** Splats of half a metre, seen from inside: 400 of them overflow the list of entries, 1,500 already the list of spans. */
-TEST(VulkanTiles, aFrameThatTheListsCannotHoldIsFilledByQuads) {
-    TestVulkan tiles(testVulkanOptions(), Fill::Tiles), quads(testVulkanOptions(), Fill::Quads);
-    DPL_NEED_VULKAN(tiles);
-    if (lavapipeCompilerCrashes()) GTEST_SKIP() << "lavapipe dies compiling the quads of this frame with 512-bit vectors";
+/** Splats of half a metre, seen from inside: 400 of them overflow the list of entries, 1,500 already the list of spans. Splats that
+ *  nobody sees make the lists large enough. */
+TEST(VulkanTiles, aFrameThatTheListsCannotHoldHasThePixelsOfOneThatTheyHold) {
+    TestVulkan vulkan(testVulkanOptions(), Fill::Tiles);
+    DPL_NEED_VULKAN(vulkan);
     const Cameraf far[2] = {tubeCamera(61, 45, 0.3f, 40, -0.03f), tubeCamera(61, 45, 0.3f, 40, 0.03f)};
     const Cameraf near[2] = {tubeCamera(61, 45, 0.3f, 1.2f, -0.03f), tubeCamera(61, 45, 0.3f, 1.2f, 0.03f)};
     for (const uint32_t count : {400u, 1500u}) {
         const StaticSplatData splats = randomStaticSplats(3, count, 0, 0.5f);
-        auto id = tiles.renderer->addSplats(splats), other = quads.renderer->addSplats(splats);
-        ASSERT_TRUE(id && other);
+        StaticSplatData padded = splats;
+        for (uint32_t i = 0; i < 40000; ++i) {
+            padded.position.push_back(splats.position[i % count]), padded.rotation.push_back(splats.rotation[i % count]);
+            padded.scaleM.push_back(splats.scaleM[i % count]), padded.opacity.push_back(0.001f);
+            padded.sh.insert(padded.sh.end(), 3, 0.0f);
+        }
+        auto id = vulkan.renderer->addSplats(splats), held = vulkan.renderer->addSplats(padded);
+        ASSERT_TRUE(id && held);
         for (const size_t viewCount : {size_t(1), size_t(2)}) {
-            for (const Cameraf* views : {far, near, far}) {  // after an overflow, tiles fill the next frame again
+            for (const Cameraf* views : {far, near, far}) {  // after an overflow, lists fill the next frame again
                 std::vector<RenderedView> got(viewCount), want(viewCount);
-                ASSERT_TRUE(tiles.renderer->render(*id, {}, {views, viewCount}, true, got));
-                ASSERT_TRUE(quads.renderer->render(*other, {}, {views, viewCount}, true, want));
-                auto stats = tiles.renderer->stats(*id);
-                ASSERT_TRUE(stats);
+                ASSERT_TRUE(vulkan.renderer->render(*id, {}, {views, viewCount}, true, got));
+                ASSERT_TRUE(vulkan.renderer->render(*held, {}, {views, viewCount}, true, want));
+                const auto stats = vulkan.renderer->stats(*id), statsHeld = vulkan.renderer->stats(*held);
+                ASSERT_TRUE(stats && statsHeld);
                 EXPECT_EQ(stats->tilesOverflowed, views == near) << count << " splats, " << viewCount << " views";
+                EXPECT_FALSE(statsHeld->tilesOverflowed);
+                EXPECT_EQ(stats->splatsDrawn, statsHeld->splatsDrawn);
                 if (views == near) {
                     EXPECT_EQ(stats->tileEntries > 0, count == 400) << "entries are counted where the spans fit";
                 }
                 for (size_t v = 0; v < viewCount; ++v) {
                     EXPECT_GT(coverage(want[v].depthM, 0.0), 0.001);
-                    if (views != near) continue;  // the other tests compare tiles with the referee
-                    EXPECT_TRUE(got[v].rgba == want[v].rgba && got[v].depthM == want[v].depthM)
-                        << count << " splats, view " << v << " of " << viewCount;
+                    EXPECT_TRUE(sameButForRounding(got[v].rgba, want[v].rgba)) << count << " splats, view " << v << " of " << viewCount;
+                    for (size_t i = 0; i < want[v].depthM.size(); ++i) ASSERT_NEAR(got[v].depthM[i], want[v].depthM[i], 1e-4) << i;
                 }
             }
         }
-        tiles.renderer->removeAvatar(*id);
-        quads.renderer->removeAvatar(*other);
+        vulkan.renderer->removeAvatar(*id);
+        vulkan.renderer->removeAvatar(*held);
     }
 }
 
-/** The same with four samples a pixel: quads with four samples fill the frame. */
-TEST(VulkanTiles, aFrameOfFourSamplesThatTheListsCannotHoldIsFilledByQuads) {
-    TestVulkan tiles(testVulkanOptions(), Fill::Tiles), quads(testVulkanOptions(), Fill::Quads);
-    DPL_NEED_VULKAN(tiles);
-    if (lavapipeCompilerCrashes()) GTEST_SKIP() << "several samples a pixel with 512-bit vectors";
-    const Cameraf far[2] = {tubeCamera(61, 45, 0.3f, 40, -0.03f), tubeCamera(61, 45, 0.3f, 40, 0.03f)};
-    const Cameraf near[2] = {tubeCamera(61, 45, 0.3f, 1.2f, -0.03f), tubeCamera(61, 45, 0.3f, 1.2f, 0.03f)};
+/** The same with four samples a pixel, against the referee. */
+TEST(VulkanTiles, aFrameOfFourSamplesThatTheListsCannotHoldMatchesTheReference) {
+    TestVulkan vulkan(testVulkanOptions(), Fill::Tiles);
+    DPL_NEED_FOUR_SAMPLES(vulkan);
+    const Cameraf views[2] = {tubeCamera(61, 45, 0.3f, 1.2f, -0.03f), tubeCamera(61, 45, 0.3f, 1.2f, 0.03f)};
     for (const uint32_t count : {150u, 2000u}) {
         AvatarData data = tubeOf(count, {.splatsPerTriangle = 16, .rings = 8, .shDegree = 0, .singleFace = false});
         for (Vec2f& scale : data.splats.scaleM) scale = Vec2f(0.5f);
         data.trainedPixelM = 1e-4f;
         const auto avatar = share(data);
-        auto id = tiles.renderer->addAvatar(avatar), other = quads.renderer->addAvatar(avatar);
-        ASSERT_TRUE(id && other);
+        auto id = vulkan.renderer->addAvatar(avatar);
+        ASSERT_TRUE(id);
         for (const size_t viewCount : {size_t(1), size_t(2)}) {
-            for (const Cameraf* views : {far, near, far}) {
-                std::vector<RenderedView> got(viewCount), want(viewCount);
-                ASSERT_TRUE(tiles.renderer->render(*id, tubePose(0.3f), {views, viewCount}, true, got));
-                ASSERT_TRUE(quads.renderer->render(*other, tubePose(0.3f), {views, viewCount}, true, want));
-                auto stats = tiles.renderer->stats(*id);
-                ASSERT_TRUE(stats);
-                EXPECT_EQ(stats->tilesOverflowed, views == near) << count << " splats, " << viewCount << " views";
-                if (views == near) {
-                    EXPECT_EQ(stats->tileEntries > 0, count == 150) << "entries are counted where the spans fit";
-                }
-                for (size_t v = 0; v < viewCount; ++v) {
-                    EXPECT_GT(coverage(want[v].depthM, 0.0), 0.001);
-                    const bool same = got[v].rgba == want[v].rgba && got[v].depthM == want[v].depthM;
-                    EXPECT_EQ(same, views == near)
-                        << count << " splats, view " << v << " of " << viewCount << ": tiles round once, quads a layer";
-                }
+            std::vector<RenderedView> got(viewCount);
+            ASSERT_TRUE(vulkan.renderer->render(*id, tubePose(0.3f), {views, viewCount}, true, got));
+            auto stats = vulkan.renderer->stats(*id);
+            ASSERT_TRUE(stats);
+            EXPECT_TRUE(stats->tilesOverflowed);
+            EXPECT_EQ(stats->tileEntries > 0, count == 150) << "entries are counted where the spans fit";
+            for (size_t v = 0; v < viewCount; ++v) {
+                const Difference d = compare(got[v], renderReference(*avatar, tubePose(0.3f), referenceCamera(views[v])));
+                std::printf("[  TILES   ] %u splats, four samples, view %zu: %.1f dB, depth %.2g m\n", count, v, d.psnrDb,
+                            d.maxDepthErrorM);
+                EXPECT_GE(d.psnrDb, kMinPsnrDb) << count << " splats, view " << v << " of " << viewCount;
+                EXPECT_GT(d.covered, 0.5);
             }
         }
-        tiles.renderer->removeAvatar(*id);
-        quads.renderer->removeAvatar(*other);
+        vulkan.renderer->removeAvatar(*id);
     }
 }
 

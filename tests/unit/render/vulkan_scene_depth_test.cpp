@@ -127,7 +127,7 @@ TEST_P(VulkanSceneDepth, equalDepthIsSeenAndTheNextFloatBeforeItHides) {
     EXPECT_GT(seen, 20u);
 }
 
-/** Many layers in few tiles overflow the lists, so quads draw the frame, with the scene of its slot. */
+/** Many layers in few tiles overflow the lists, so each tile searches, with the scene of its slot. */
 TEST_P(VulkanSceneDepth, holdsWhereTheListsOfTilesOverflowAndForGeneralSplats) {
     TestVulkan vulkan(withPreciseBlendingOfAnyWidth(), GetParam());
     DPL_NEED_VULKAN(vulkan);

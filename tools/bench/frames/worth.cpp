@@ -26,7 +26,7 @@ std::vector<double> passMs(const Contestant& c, PassFilter takes) {
 }
 
 bool beforePixels(std::string_view label) {
-    return !label.starts_with("draw") && !label.starts_with("tiles.fill") && label != "counts" && label != "readback";
+    return !label.starts_with("draw") && label != "tiles.fill" && label != "tiles.search" && label != "counts" && label != "readback";
 }
 /** From records or codes to coloured splats on the screen. Today's frame and the plain one split this work into different passes. */
 bool projection(std::string_view label) {
