@@ -7,6 +7,7 @@ export CCACHE_SLOPPINESS="pch_defines,time_macros,include_file_mtime,include_fil
 export CCACHE_BASEDIR="${CCACHE_BASEDIR-$PWD}" CCACHE_NOHASHDIR=1
 tests_passed=0
 tests_skipped=0
+tests_failed=0
 step_number=0
 
 step() {
@@ -52,6 +53,7 @@ run_tests() {
     tests_skipped=$((tests_skipped + skipped))
     if [ "$status" -ne 0 ]; then
         [ "$failed" -gt 0 ] || failed=1
+        tests_failed=$((tests_failed + failed))
         echo "$tests_passed passed, $failed failed, $tests_skipped skipped"
         return 1
     fi

@@ -3,6 +3,7 @@
 """Tests of tools/bench/publish: tables, bars, raw files, and a run that is cut off."""
 import contextlib
 import io
+import json
 import pathlib
 import sys
 import tempfile
@@ -13,7 +14,35 @@ sys.dont_write_bytecode = True
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "tools/bench"))
 
+import gpu_proof  # noqa: E402
 from publishing import benches, command, machine, markdown, pages, raw  # noqa: E402
+
+
+class GpuProof(unittest.TestCase):
+    def test_the_object_holds_device_tests_and_ms_a_frame_by_case(self):
+        frame = {"case": "phone", "renderer": "vulkan-tiles", "device": "vulkan: NVIDIA H200 (tiles)", "splats": 9, "splats_drawn": 7,
+                 "samples": 1, "resident_bytes": 5, "ms_p50": 2.5, "gpu_ms_p50": 0.8, "draw_ms_p50": 0.1, "views": 1}
+        line = {"case": "phone", "device": frame["device"], "views": 1, "pass": "tiles.fill", "gpu_ms_p50": 0.3, "gpu_ms_p95": 0.4}
+        with tempfile.TemporaryDirectory() as folder:
+            for name, rows in (("device", [frame]), ("frames", [frame, line]), ("ways", [{"way": "read back"}])):
+                (pathlib.Path(folder) / f"{name}.jsonl").write_text("".join(json.dumps(row) + "\n" for row in rows))
+            said = self.say("report", folder, "--avatar", "demo/a.glb", "--shrink", 1, "--passed", 12, "--failed", 1, "--skipped", 2,
+                            "--seconds", 90)
+            self.assertEqual(self.say("software", f"{folder}/device.jsonl"), "no\n")
+        got = json.loads(said)
+        self.assertEqual((got["device"], got["software"], got["avatar"]), ("NVIDIA H200", False, "a.glb"))
+        self.assertEqual(got["tests"], {"passed": 12, "failed": 1, "skipped": 2})
+        self.assertEqual([(f["case"], f["ms"], f["gpu_ms"], f["pass_gpu_ms"]) for f in got["frames"]],
+                         [("phone", 2.5, 0.8, {"tiles.fill": 0.3})])
+        self.assertEqual(got["ways"], [{"way": "read back"}])
+
+    def test_a_driver_on_the_cpu_is_told(self):
+        self.assertTrue(machine.is_software("llvmpipe (LLVM 15.0.6, 256 bits)"))
+
+    def say(self, *arguments):
+        with contextlib.redirect_stdout(io.StringIO()) as out:
+            gpu_proof.main([str(a) for a in arguments])
+        return out.getvalue()
 
 
 class Tables(unittest.TestCase):

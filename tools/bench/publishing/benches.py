@@ -7,6 +7,8 @@ import re
 import shutil
 import subprocess
 
+from . import machine
+
 
 class BenchError(Exception):
     """One sentence for a person."""
@@ -147,7 +149,7 @@ def needs_gpu(place):
     command = [place.program("doppel"), "bench", place.avatar(), "--no-reference", "--renderers", "vulkan-tiles", "--repeats", 1]
     rows = place.json_lines("gpu-device", command)
     device = rows[0]["device"] if rows else "no Vulkan device"
-    if not rows or "llvmpipe" in device or "SwiftShader" in device:
+    if not rows or machine.is_software(device):
         raise Skipped(f"needs a GPU; here is {device}")
 
 

@@ -35,6 +35,11 @@ def driver():
     return f"Mesa {version}" if version else "unknown"
 
 
+def is_software(device):
+    """Whether a Vulkan device of this name is a driver on the CPU."""
+    return "llvmpipe" in device or "SwiftShader" in device
+
+
 def configured(build, name):
     """A value of the build folder's CMake cache, or None."""
     cache = build / "CMakeCache.txt"
