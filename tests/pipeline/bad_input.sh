@@ -55,7 +55,7 @@ copy; python3 - <<'P'
 # An empty file of true positions: without the check it ended the report, after the training.
 import json
 truth = json.load(open("bad/truth.json"))
-frame = next(f for f in truth["frames"] if "posed" in f)
+frame = next(f for f in truth["frames"] if f.get("posed"))
 open("bad/" + frame["posed"], "w").close()
 P
 for command in check reconstruct; do

@@ -16,7 +16,7 @@ export FAKE_COLMAP_SCAN="$work/scan" PATH="$work/bin:$PATH"
 "$doppel" cameras blind -o out --truth scan >out.log 2>&1 || fail "exit $?"
 grep -q "found for 22 of 22 still pictures, 8 of 8 close-ups" out.log || fail "not all still pictures came back"
 # kind, frames, missing, median error of the eye in mm: COLMAP's world has another origin and scale, and neither may be left
-grep -qE "^still +22 +0 +0\.0[0-9] " out.log || fail "the cameras of still pictures are not those that were given"
+grep -qE "^static +22 +0 +0\.0[0-9] " out.log || fail "the cameras of still pictures are not those that were given"
 grep -qE "^close-up +8 +0 +0\.0[0-9] " out.log || fail "the cameras of close-ups are not those that were given"
 grep -q "too few matches with their neighbours; film that part again, slower" out.log || fail "pictures without a place are not named"
 
