@@ -51,8 +51,9 @@ TEST_F(ApiTest, generalSplatsAreDrawnByTheSameCalls) {
     EXPECT_STREQ(info.name, "PLY");
     EXPECT_EQ(info.splatCount, 2u);
     EXPECT_EQ(info.jointCount + info.triangleCount + info.vertexCount + info.clipCount, 0u);
-    EXPECT_EQ(info.restMin[2], -0.5f);
-    EXPECT_EQ(info.restMax[2], 0.0f);
+    // The splats are larger than what lies between them: three deviations from the middle.
+    EXPECT_FLOAT_EQ(info.restMin[2], -0.25f - 3 * 0.6f);
+    EXPECT_FLOAT_EQ(info.restMax[2], -0.25f + 3 * 0.6f);
     const DplCamera cameras[2] = {frontCamera(64, 64, 0.03f), frontCamera(64, 64, -0.03f)};
     std::vector<uint8_t> both[2], alone;
     std::vector<float> depth;

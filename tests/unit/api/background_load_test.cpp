@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // Loads in the background on contexts that own their renderer: the CPU, and Vulkan. They end as dplLoadAvatar ends, can be cancelled at
 // any time, and leave nothing behind.
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <ctime>
+#include <string_view>
 #include <utility>
 
 #include "tests/unit/api/api_fixture.h"
@@ -95,7 +97,8 @@ TEST_P(BackgroundLoadTest, hostileBytesGiveTheErrorOfLoadAvatar) {
     const auto ball = ballOfSplats(300);
     std::vector<std::vector<uint8_t>> files = {{'x'}, {tiny_.begin(), tiny_.end() - 5}, {ball.begin(), ball.end() - 5}, tiny_, ball};
     files[3][files[3].size() / 2] ^= 1;
-    for (int byte = 0; byte < 4; ++byte) files[4][files[4].size() - 8 + size_t(byte)] = 0xff;  // not a number
+    const std::string_view head = "end_header\n";  // behind it: no finite splat
+    std::fill(std::search(files[4].begin(), files[4].end(), head.begin(), head.end()) + ptrdiff_t(head.size()), files[4].end(), 0xff);
     for (const auto& bytes : files) {
         DplAvatar avatar = nullptr;
         const DplResult expected = dplLoadAvatar(context_, bytes.data(), bytes.size(), &avatar);
