@@ -459,7 +459,7 @@ TEST(SplatStatements, damageInGltfIsSaid) {
     expectRefused(changed([](auto& json) { json["accessors"][0]["max"][0] = 9e15; }), "a maximum of 9e15", Code::CorruptData, "damaged");
     const std::pair<const char*, double> bounds[] = {{"max", 700}, {"min", -9e9}, {"max", 0.0}, {"min", 3.0}};
     for (const auto& [key, value] : bounds) {
-        auto file = changed([&](auto& json) { json["accessors"][0][key][0] = value; });
+        auto file = changed([key = key, value = value](auto& json) { json["accessors"][0][key][0] = value; });
         ASSERT_TRUE(file) << file.error().message;
         ASSERT_EQ(file->remarks.notes.size(), 1u) << key << value;
         EXPECT_NE(file->remarks.notes[0].find("POSITION states values"), std::string::npos);
