@@ -54,8 +54,9 @@ Status checkPrecision(const StaticSplatData& s, SplatRemarks& remarks) {
     std::nth_element(shares.begin(), middle, shares.end());
     if (*middle < kCoarseShare) return {};
     const Vec3f& at = s.position.front();
-    const std::string found = formatText("coordinates like ({}, {}, {}) are rounded to {} of a splat's size by 32-bit floats",
-                                         int64_t(at.x), int64_t(at.y), int64_t(at.z), *middle);
+    const auto whole = [](float m) { return std::abs(m) < 1e15f ? formatText("{}", int64_t(m)) : formatText("{}", m); };
+    const std::string found = formatText("coordinates like ({}, {}, {}) are rounded to {} of a splat's size by 32-bit floats", whole(at.x),
+                                         whole(at.y), whole(at.z), *middle);
     if (*middle > 1)
         return fail(
             Code::CorruptData,

@@ -79,7 +79,7 @@ std::array<Bytes, kAttributes> attributesOf(const StaticSplatData& s, uint32_t f
     for (size_t i = 0; i < s.position.size(); ++i) {
         const float* sh = s.sh.data() + i * coefficients * 3;
         for (int k = 0; k < 3; ++k) {
-            const long at = std::clamp(std::lround(s.position[i][k] * steps), long(-kLargestCode), long(kLargestCode));
+            const long at = std::lround(std::clamp(s.position[i][k] * steps, -double(kLargestCode), double(kLargestCode)));
             for (int byte = 0; byte < 3; ++byte) place.push_back(uint8_t(uint64_t(at) >> (8 * byte)));
             scale.push_back(code8((std::log(std::max(double(s.scaleM[i][k]), 1e-9)) + 10) * 16));
             colour.push_back(code8((sh[k] * 0.15 + 0.5) * 255));
