@@ -12,7 +12,7 @@ constexpr float kLimbShare = 0.5f;   // of the longest pair's length: legs and a
 constexpr float kHeadShare = 0.08f;  // of the longest pair's length: neck and head are longer
 constexpr float kArmOfLeg = 0.66f;   // shoulder to wrist over hip to ankle
 constexpr float kUpperOfLowerArm = 1.1f;
-constexpr float kStub = 0.3f;        // of a thigh
+constexpr float kPelvisBone = 0.3f;  // of a thigh; a shorter first bone lies in the pelvis
 constexpr size_t kHandBranches = 3;  // fingers of a hand at least, where there are any
 constexpr float kSameShape = 0.3f;   // share by which the first bones of mirrored branches may differ
 constexpr size_t kMostBranches = 8;  // of a joint, the longest, among which a pair is looked for
@@ -167,10 +167,10 @@ private:
             return std::abs(std::log(upper / lower)) + 0.5f * (1 - (upper + lower) / b.length());
         });
         // A short first bone is part of the pelvis: a hip's half of it, or a buttock.
-        const auto stub = [&] {
-            return b.along[best->upper + 1] - b.along[best->upper] < kStub * (b.along[best->lower] - b.along[best->upper]);
+        const auto beginsInPelvis = [&] {
+            return b.along[best->upper + 1] - b.along[best->upper] < kPelvisBone * (b.along[best->lower] - b.along[best->upper]);
         };
-        while (best && best->upper + 1 < best->lower && stub()) ++best->upper;
+        while (best && best->upper + 1 < best->lower && beginsInPelvis()) ++best->upper;
         return best;
     }
     std::optional<Bend> elbowOf(const Branch& b, float legM) const {
