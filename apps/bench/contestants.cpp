@@ -167,8 +167,7 @@ Result<Contestant> sdkContestant(const std::string& renderer, const BenchOptions
     const double loadMilliseconds = millisecondsSince(start);
     if (!avatar) return fromSdk(avatar.error());
     const std::string name = context->rendererName();
-    return Contestant{
-        name, renderer, "", false, std::make_unique<SdkDrawer>(std::move(*context), std::move(*avatar), views), loadMilliseconds};
+    return Contestant{name, renderer, false, std::make_unique<SdkDrawer>(std::move(*context), std::move(*avatar), views), loadMilliseconds};
 }
 
 Result<std::vector<Contestant>> contestants(const ContestantMaker& make, const BenchOptions& options, const BenchSubject& subject,

@@ -77,7 +77,6 @@ public:
 struct Contestant {
     std::string name;    // display name, with the device
     std::string option;  // value of --renderers
-    std::string whole;   // name of the same renderer with every optimisation on; empty if that is this one, or if there is none
     bool frozen;         // the frozen baseline: always one sample per pixel; its warm frames may allocate
     std::unique_ptr<Drawer> drawer;
     double loadMilliseconds = 0;

@@ -36,7 +36,7 @@ Result<NewRenderer> lentRenderer(const DplMetalDevice& given, const RendererOpti
     DPL_TRY(auto backend, mtl::createBackendOn(given.device, given.queue));
     mtl::MetalBackend& lent = *backend;
     std::string name = "metal: " + lent.info().name;
-    auto renderer = std::make_unique<GpuRenderer>(std::move(backend), std::move(name), GpuOptions{.preciseBlending = true});
+    auto renderer = std::make_unique<GpuRenderer>(std::move(backend), std::move(name));
     DPL_RETURN_IF_ERROR(setFill(*renderer, options));
     auto side = std::make_shared<MetalSide>(MetalSide{*renderer, lent});
     return NewRenderer{std::move(renderer), std::move(side)};

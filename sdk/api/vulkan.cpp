@@ -59,7 +59,7 @@ Result<NewRenderer> lentRenderer(const DplVulkanDevice& given, const RendererOpt
     DPL_TRY(auto backend, vk::createBackendOn(appDeviceOf(given)));
     vk::VulkanBackend& lent = *backend;
     std::string name = "vulkan: " + lent.info().name;
-    auto renderer = std::make_unique<GpuRenderer>(std::move(backend), std::move(name), GpuOptions{.preciseBlending = true});
+    auto renderer = std::make_unique<GpuRenderer>(std::move(backend), std::move(name));
     DPL_RETURN_IF_ERROR(setFill(*renderer, options));
     auto side = std::make_shared<VulkanSide>(VulkanSide{*renderer, lent});
     return NewRenderer{std::move(renderer), std::move(side)};

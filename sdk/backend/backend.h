@@ -67,25 +67,22 @@ struct BufferDesc {
     BufferMemory memory = BufferMemory::Device;
 };
 
-/** The format in which splats are blended: 8-bit UNORM (Codes8), or 16-bit floats that are rounded to 8 bits at the read-back (Halves). */
-enum class ColourFormat : uint8_t { Codes8, Halves };
-
-/** Premultiplied colour, in alpha the transmittance (1 where nothing is drawn) and, with `depth`, two floats for each pixel (Σ α T z and
- *  Σ α T; α opacity, T transmittance before the splat, z view depth in metres), for one or two views of the same size. Alpha does not hold
- *  the opacity, because 16-bit floats near 1 are 1/2048 apart: the opacity of a pixel under many faint layers would stop growing. */
+/** Premultiplied colour in 16-bit floats, rounded to 8 bits at the read-back; in alpha the transmittance (1 where nothing is drawn) and,
+ * with `depth`, two floats for each pixel (Σ α T z and Σ α T; α opacity, T transmittance before the splat, z view depth in metres), for one
+ * or two views of the same size. Alpha does not hold the opacity, because 16-bit floats near 1 are 1/2048 apart: the opacity of a pixel
+ * under many faint layers would stop growing. */
 struct TargetDesc {
     uint32_t widthPx = 0, heightPx = 0;  // of one view
     uint32_t views = 1;
     bool depth = false;
     bool multiview = true;  // one draw fills the layers of all views; false: each view has its own draw
-    ColourFormat colour = ColourFormat::Codes8;
-    uint32_t samples = 1;  // of a pixel: 1, or 4 if DeviceInfo::fourSamples; averaged when a draw ends
-    bool sampled = false;  // an app's pass reads colour and depth; otherwise only read-backs copy them
+    uint32_t samples = 1;   // of a pixel: 1, or 4 if DeviceInfo::fourSamples; averaged when a draw ends
+    bool sampled = false;   // an app's pass reads colour and depth; otherwise only read-backs copy them
 };
 
 enum class Topology : uint8_t { Strip, List };  // of triangles
 
-/** A pipeline for targets with the same views, multiview, depth, colour and samples. It blends premultiplied "over", multiplies the
+/** A pipeline for targets with the same views, multiview, depth and samples. It blends premultiplied "over", multiplies the
  *  transmittance by 1 - α, and has no vertex buffers. A draw binds the buffers of its vertex shader, then those of its fragment shader,
  * which only reads. */
 struct DrawPipelineDesc {
@@ -93,7 +90,6 @@ struct DrawPipelineDesc {
     uint32_t views = 1;
     bool multiview = true;
     bool depth = false;
-    ColourFormat colour = ColourFormat::Codes8;
     uint32_t samples = 1;
     Topology topology = Topology::Strip;
 };

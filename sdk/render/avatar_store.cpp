@@ -89,7 +89,7 @@ Result<std::unique_ptr<PreparedSubject>> AvatarStore::prepareAvatar(std::shared_
     subject.detail = DetailSubject(*avatar, splats);
     subject.ids = countsOf(*avatar, splats);
     subject.ids.codes = records.where;
-    if (cullComponents_) subject.components = std::move(records.components);
+    subject.components = std::move(records.components);
     for (const SplatChunk& c : splats.chunks) subject.filledGroups += (c.splatCount + gpu::kSplatGroup - 1) / gpu::kSplatGroup;
     subject.paletteSize = uint32_t(paletteSize(*avatar));
     subject.splatBytes = splats.bytes();

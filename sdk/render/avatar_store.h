@@ -39,7 +39,7 @@ struct LoadedSubject {
     std::shared_ptr<SubjectUpload> upload;  // null: uploaded
     uint64_t residentBytes = 0;             // device memory of the splats and of all that poses them
     uint64_t splatBytes = 0;                // the part of residentBytes that holds splats
-    Components components;                  // empty when nothing is culled
+    Components components;                  // of an avatar; those out of view need no posing
     DetailSubject detail;                   // of an avatar
     GeneralDetailSubject generalDetail;     // of general splats
 
@@ -50,8 +50,7 @@ struct LoadedSubject {
 /** Owns the loaded subjects and their device buffers. The backend must live longer. One thread at a time, except to prepare. */
 class AvatarStore {
 public:
-    /** cullComponents: find the components of an avatar, so that those out of view need no posing. */
-    AvatarStore(Backend& backend, bool cullComponents) : backend_(backend), cullComponents_(cullComponents) {}
+    explicit AvatarStore(Backend& backend) : backend_(backend) {}
 
     /** Checks the subject and packs its records. Any thread: reads nothing but the limits of the device. avatar->splats is not read.
      * InvalidArgument: arrays that do not fit. Unsupported: above a limit of the device. */
@@ -79,7 +78,6 @@ private:
     Status makeBuffers(LoadedSubject& subject);
 
     Backend& backend_;
-    bool cullComponents_;
     std::map<RenderAvatarId, LoadedSubject> subjects_;
     RenderAvatarId lastId_ = 0;
 };

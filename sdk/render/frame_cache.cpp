@@ -75,9 +75,8 @@ SubmittedFrame SceneSet::submitted(uint64_t frameNumber) const {
     return {};
 }
 
-FrameCache::FrameCache(Backend& backend, const AvatarStore& store, const FrameCacheOptions& options,
-                       std::function<void(const RecordedFrame&)> onFree)
-    : backend_(backend), store_(store), options_(options), onFree_(std::move(onFree)) {}
+FrameCache::FrameCache(Backend& backend, const AvatarStore& store, std::function<void(const RecordedFrame&)> onFree)
+    : backend_(backend), store_(store), onFree_(std::move(onFree)) {}
 
 FrameCache::~FrameCache() {
     for (auto& [number, set] : sets_) free(set);
@@ -123,7 +122,6 @@ void FrameCache::remove(RenderAvatarId avatar) {
 Status FrameCache::makeLists(SceneSet& set) {
     FrameIds& ids = set.ids;
     ids.multiview = backend_.info().multiview;
-    ids.floatKeys = options_.floatKeys;
     DPL_RETURN_IF_ERROR(placeSubjects(set, store_, backend_.info()));
     DPL_TRY(ids.visibility, set.buffers.create("visibility", ids.visibilityWords() * 4));
     DPL_TRY(ids.survivors, set.buffers.create("survivors", ids.survivorWords() * 4));
@@ -144,14 +142,13 @@ FrameIds FrameCache::idsOf(const SceneSet& set, const FrameShape& shape) const {
     ids.depth = shape.depth;
     ids.sceneDepth = shape.sceneDepth;
     ids.samples = shape.samples;
-    ids.colour = options_.preciseBlending ? ColourFormat::Halves : ColourFormat::Codes8;
     ids.shuffle = backend_.info().shuffle;
     ids.drawInstances = ids.multiview && backend_.info().viewsAreInstances ? ids.viewCount : 1;
     return ids;
 }
 
 TargetDesc FrameCache::targetOf(const FrameIds& ids, const FrameShape& shape) const {
-    return {ids.widthPx, ids.heightPx, ids.viewCount, ids.depth, ids.multiview, ids.colour, ids.samples, shape.encoded};
+    return {ids.widthPx, ids.heightPx, ids.viewCount, ids.depth, ids.multiview, ids.samples, shape.encoded};
 }
 
 Result<RecordedFrame*> FrameCache::frame(SceneSet& set, const FrameShape& shape, TargetMaker makeTarget) {

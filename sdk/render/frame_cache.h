@@ -98,17 +98,11 @@ struct SceneSet {
     SubmittedFrame submitted(uint64_t frameNumber) const;
 };
 
-struct FrameCacheOptions {
-    bool preciseBlending = false;  // blend in more than 8 bits
-    bool floatKeys = false;        // sort by 32-bit float depths
-};
-
 /** Owns the scene sets and their frames. Backend and store must live longer. One thread at a time. */
 class FrameCache {
 public:
     /** onFree: called before a frame is destroyed, so that its owner can drop what it keeps for the frame. */
-    FrameCache(Backend& backend, const AvatarStore& store, const FrameCacheOptions& options,
-               std::function<void(const RecordedFrame&)> onFree);
+    FrameCache(Backend& backend, const AvatarStore& store, std::function<void(const RecordedFrame&)> onFree);
     ~FrameCache();
 
     /** Makes the target of a frame that quads fill and that is about to be recorded. */
@@ -137,7 +131,6 @@ private:
 
     Backend& backend_;
     const AvatarStore& store_;
-    FrameCacheOptions options_;
     std::function<void(const RecordedFrame&)> onFree_;
     std::map<uint32_t, SceneSet> sets_;  // by number
     uint32_t lastNumber_ = 0;

@@ -38,10 +38,8 @@ struct FrameIds {
     uint32_t viewCount = 1;
     uint32_t widthPx = 0, heightPx = 0;  // of one view
     bool multiview = true, depth = false;
-    ColourFormat colour = ColourFormat::Codes8;
     uint32_t drawInstances = 1;  // of the draw of all views (DeviceInfo::viewsAreInstances)
     bool wide = false;           // a subject reaches so far that 16 bits of depth are too few
-    bool floatKeys = false;      // depths are sorted as 32-bit floats
     bool shuffle = false;        // subgroups hold whole tiles (DeviceInfo::shuffle)
     bool sceneDepth = false;     // splats behind the app's scene are hidden
     uint32_t samples = 1;        // a pixel (sdk/math/coverage.h)
@@ -57,8 +55,8 @@ struct FrameIds {
     TableIds digits;            // of the sort: [digit][run]
     TargetId target;            // none: tiles fill
 
-    uint32_t sortRounds() const { return floatKeys ? gpu::kFloatSortRounds : wide ? gpu::kWideSortRounds : gpu::kSortRounds; }
-    uint32_t maxDepthKey() const { return floatKeys ? gpu::kFloatDepthKeys : (1u << (sortRounds() * gpu::kSortDigitBits)) - 1; }
+    uint32_t sortRounds() const { return wide ? gpu::kWideSortRounds : gpu::kSortRounds; }
+    uint32_t maxDepthKey() const { return (1u << (sortRounds() * gpu::kSortDigitBits)) - 1; }
     // Layout of shaders/lib/visibility.glsl.
     uint64_t visibilityWords() const { return 3ull * allGroups + allSplats; }
     uint32_t firstSum() const { return gpu::kMaskWords * allGroups; }

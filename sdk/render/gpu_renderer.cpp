@@ -24,14 +24,13 @@ bool shareOrder(std::span<const Cameraf> views) {
 
 }  // namespace
 
-GpuRenderer::GpuRenderer(std::unique_ptr<Backend> backend, std::string name, const GpuOptions& options)
+GpuRenderer::GpuRenderer(std::unique_ptr<Backend> backend, std::string name, Fill fill)
     : backend_(std::move(backend)),
       name_(std::move(name)),
-      options_(options),
-      store_(*backend_, options.cull),
+      fill_(fill),
+      store_(*backend_),
       reader_(*backend_),
-      cache_(*backend_, store_, {options.preciseBlending, !options.quantiseDepth},
-             [this](const RecordedFrame& frame) { reader_.forget(frame); }) {}
+      cache_(*backend_, store_, [this](const RecordedFrame& frame) { reader_.forget(frame); }) {}
 
 Result<std::unique_ptr<PreparedSubject>> GpuRenderer::prepareAvatar(std::shared_ptr<const AvatarData> avatar, CodedSplats splats) const {
     return store_.prepareAvatar(std::move(avatar), std::move(splats));
@@ -97,7 +96,7 @@ Status GpuRenderer::drawOrEncode(std::span<const Drawn> what, std::span<const Ca
         ids[k] = what[k].avatar;
         subjects[k] = store_.find(ids[k]);
     }
-    const bool shared = views.size() == 1 || (options_.shareViews && shareOrder(views));
+    const bool shared = views.size() == 1 || shareOrder(views);
     const DrawCall call{what, {subjects, what.size()}, {views, shared}, wants, app};
     DPL_TRY(SceneSet * set, cache_.sceneSet({ids, what.size()}));
     const bool cullComponents = !wants.meshDepth;  // mesh depth needs every triangle posed
@@ -132,7 +131,7 @@ FrameShape GpuRenderer::shapeOf(const DrawCall& call) const {
                                                                     rootPosition(subject.avatar->joints, *call.what[k].pose), views));
     }
     // The limit was derived for one sample. It also holds for four, which have κ/4 each but lower tiles (kTileMinKappaPx2).
-    shape.fill = kappaPx2 >= kTileMinKappaPx2 ? options_.fill : Fill::Quads;
+    shape.fill = kappaPx2 >= kTileMinKappaPx2 ? fill_ : Fill::Quads;
     return shape;
 }
 
@@ -194,7 +193,6 @@ void GpuRenderer::fillSlot(FrameSlot& slot, const SceneSet& set, const DrawCall&
             packPalette(pose.worldFromRest, pose.nodes,
                         {reinterpret_cast<gpu::vec4*>(backend_->mapped(upload.palette).data()), subject.paletteSize});
         gpu::FrameData block = packFrame(subject.splats, call.views.of(shape.eye), shape.samples, pose.detail, pose.largestGrowth, unseen);
-        block.cullNothing = options_.cull ? 0 : 1;
         block.splatCount = set.ids.allSplats;
         if (!subject.avatar) packGeneralDetail(pose.generalDetail, block);
         std::memcpy(backend_->mapped(upload.frame).data(), &block, sizeof(block));

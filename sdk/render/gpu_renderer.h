@@ -24,14 +24,6 @@
 
 namespace dpl {
 
-struct GpuOptions {
-    bool preciseBlending = false;
-    bool cull = true;
-    bool shareViews = true;
-    bool quantiseDepth = true;
-    Fill fill = Fill::Quads;
-};
-
 /** A frame of the app that a draw becomes part of. */
 struct AppFrame {
     uint32_t slot = 0;  // below kAppSlots; commands with the slot's earlier frames have run
@@ -55,10 +47,10 @@ struct EncodedView {
 class GpuRenderer final : public Renderer {
 public:
     /** name() is `name` with the fill in brackets after it. */
-    GpuRenderer(std::unique_ptr<Backend> backend, std::string name, const GpuOptions& options = {});
+    GpuRenderer(std::unique_ptr<Backend> backend, std::string name, Fill fill = Fill::Quads);
 
-    std::string name() const override { return formatText("{} ({})", name_, options_.fill == Fill::Tiles ? "tiles" : "quads"); }
-    void setFill(Fill fill) override { options_.fill = fill; }
+    std::string name() const override { return formatText("{} ({})", name_, fill_ == Fill::Tiles ? "tiles" : "quads"); }
+    void setFill(Fill fill) override { fill_ = fill; }
     std::string identity() const override { return backend_->info().identity; }
     bool lost() const override { return backend_->lost(); }
     uint64_t residentBytes() const override { return backend_->residentBytes(); }
@@ -111,7 +103,7 @@ private:
     // The order matters: members are destroyed from last to first. The cache uses the store, and tells the reader which frames it frees.
     std::unique_ptr<Backend> backend_;
     std::string name_;
-    GpuOptions options_;
+    Fill fill_;
     AvatarStore store_;
     FrameReader reader_;
     FrameCache cache_;

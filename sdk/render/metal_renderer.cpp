@@ -9,8 +9,7 @@ namespace dpl {
 Result<std::unique_ptr<Renderer>> createMetalRenderer(Fill fill) {
     DPL_TRY(auto backend, createMetalBackend());
     std::string name = "metal: " + backend->info().name;
-    return std::unique_ptr<Renderer>(
-        std::make_unique<GpuRenderer>(std::move(backend), std::move(name), GpuOptions{.preciseBlending = true, .fill = fill}));
+    return std::unique_ptr<Renderer>(std::make_unique<GpuRenderer>(std::move(backend), std::move(name), fill));
 }
 
 }  // namespace dpl

@@ -12,11 +12,7 @@
 
 namespace dpl {
 
-struct VulkanTestOptions;
-
 /** Code::Unsupported when no device fits the options; the text names the best device of the machine. */
 Result<std::unique_ptr<Renderer>> createVulkanRenderer(const VulkanOptions& options = {}, Fill fill = Fill::Quads);
-/** For tests and benches (sdk/backend/vulkan/vulkan_test_options.h). */
-Result<std::unique_ptr<Renderer>> createVulkanRenderer(const VulkanTestOptions& options, Fill fill = Fill::Quads);
 
 }  // namespace dpl

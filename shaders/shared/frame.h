@@ -43,13 +43,13 @@ struct FrameData {
     float splatsPerM2;                      // avatars: density at rest that level of detail asks for; 0: all splats (lib/detail.glsl)
     uint compensated;                       // 1: the low-pass preserves energy
     uint unseenComponents;                  // bits of the components that no view sees (sdk/visibility/components.h)
-    uint cullNothing;                       // 1: no culling, for measurements
     uint splatCount;                        // of the scene set: number of records for one view
-    float largestGrowth;                    // avatars: upper bound of the factor by which level of detail enlarges splats
-    float shShare;                          // avatars: weight of the SH bands above 0; at 0 their coefficients are not read
-    float splatsPerPixel;                   // general splats: density that level of detail asks for; 0: all splats
-    float finestPixelM;                     // general splats: lower limit of the pixel width used for level of detail, metres
-    PixelPlane pixelPlanes[2];              // general splats, by view
+    uint pad0;
+    float largestGrowth;        // avatars: upper bound of the factor by which level of detail enlarges splats
+    float shShare;              // avatars: weight of the SH bands above 0; at 0 their coefficients are not read
+    float splatsPerPixel;       // general splats: density that level of detail asks for; 0: all splats
+    float finestPixelM;         // general splats: lower limit of the pixel width used for level of detail, metres
+    PixelPlane pixelPlanes[2];  // general splats, by view
 };
 DPL_SHARED_SIZE(FrameData, 288)
 

@@ -28,11 +28,9 @@ DPL_CONST uint kRun = 256u;
 DPL_CONST uint kRunGroup = 32u;  // the bits of a word
 DPL_CONST uint kSortDigitBits = 8u;
 DPL_CONST uint kSortDigits = 256u;
-DPL_CONST uint kSortIndexBits = 24u;   // bits of a splat number; a digit of the key fits into the bits above it
-DPL_CONST uint kSortRounds = 2u;       // 16-bit keys: 0.03 mm steps across a person
-DPL_CONST uint kWideSortRounds = 3u;   // 24-bit keys: a scene of general splats may reach a kilometre
-DPL_CONST uint kFloatSortRounds = 4u;  // 32-bit float keys, for measuring
-DPL_CONST uint kFloatDepthKeys = 0u;   // value of maxDepthKey that selects float keys
+DPL_CONST uint kSortIndexBits = 24u;  // bits of a splat number; a digit of the key fits into the bits above it
+DPL_CONST uint kSortRounds = 2u;      // 16-bit keys: 0.03 mm steps across a person
+DPL_CONST uint kWideSortRounds = 3u;  // 24-bit keys: a scene of general splats may reach a kilometre
 
 // Splat codes (sdk/format/coded_splats.h): word offsets in the record of a chunk, and constants that decode the words of a splat.
 DPL_CONST uint kChunkWords = 16u;

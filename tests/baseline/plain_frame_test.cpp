@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cstdlib>
+#include <filesystem>
 #include <fstream>
 #include <sstream>
 
@@ -24,11 +25,11 @@ struct TestPlain {
     std::string missing;
 
     explicit TestPlain(PlainFill fill = PlainFill::Quads) {
-        auto backend = plain::createBackend(options);
+        auto backend = plain::createBackend(options.request());
         if (!backend && backend.error().code == Code::NotFound) {
             std::printf("[   NOTE   ] %s\n", backend.error().message.c_str());
             options.enableValidation = false;
-            backend = plain::createBackend(options);
+            backend = plain::createBackend(options.request());
         }
         if (backend)
             frame = std::make_unique<plain::Frame>(std::move(*backend), fill);
@@ -227,13 +228,9 @@ TEST(PlainFrame, aFileIsDrawnInThePoseThatItIsGiven) {
 }
 
 TEST(PlainFrame, aPackOfAnotherInterfaceIsRefused) {
-    VulkanTestOptions options = testVulkanOptions();
-    options.enableValidation = false;
-    options.shaderPack = plain::shaderPack();
-    options.shaderInterface = embeddedShaderInterface();
-    const auto backend = createVulkanBackend(options);
-    ASSERT_FALSE(backend);
-    EXPECT_EQ(backend.error().code, Code::Version);
+    const auto pack = readShaderPack(plain::shaderPack(), "the pack of frozen shaders", embeddedShaderInterface());
+    ASSERT_FALSE(pack);
+    EXPECT_EQ(pack.error().code, Code::Version);
 }
 
 /** Over all text of every file with its name, so that moving text between files shows too. */

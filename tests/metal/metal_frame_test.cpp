@@ -32,7 +32,7 @@ struct TestMetal {
         auto backend = mtl::createBackendOn(device.seam(), /*lent=*/false);
         EXPECT_TRUE(backend) << (backend ? "" : backend.error().message);
         if (!backend) return;
-        renderer = std::make_unique<GpuRenderer>(std::move(*backend), "metal: software", GpuOptions{.preciseBlending = true, .fill = fill});
+        renderer = std::make_unique<GpuRenderer>(std::move(*backend), "metal: software", fill);
     }
     ~TestMetal() {
         renderer.reset();
@@ -188,7 +188,7 @@ std::vector<std::byte> compactedAndSorted(Backend& backend, std::span<const uint
 }
 
 TEST(MetalFrame, passesOverIntegersEqualAnotherBackendBitForBit) {
-    auto vulkan = createVulkanBackend(testVulkanOptions());
+    auto vulkan = createTestBackend();
     if (!vulkan) GTEST_SKIP() << vulkan.error().message;
     constexpr uint32_t kSplats = 40 * gpu::kSplatGroup;
     std::mt19937 random(5);
@@ -271,7 +271,7 @@ std::vector<std::byte> tileLists(Backend& backend, std::span<const gpu::Projecte
 }
 
 TEST(MetalFrame, listsOfTilesEqualAnotherBackendBitForBit) {
-    auto vulkan = createVulkanBackend(testVulkanOptions());
+    auto vulkan = createTestBackend();
     if (!vulkan) GTEST_SKIP() << vulkan.error().message;
     std::mt19937 random(6);
     const auto between = [&](float low, float high) { return std::uniform_real_distribution<float>(low, high)(random); };

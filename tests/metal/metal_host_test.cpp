@@ -44,8 +44,8 @@ struct Bench {
     DrawStep draw(TargetId target, bool multiview, uint32_t samples, uint32_t view) {
         DrawStep step;
         step.label = "draw.splats";
-        const auto pipeline = backend->drawPipeline({multiview ? "draw.vert.multiview" : "draw.vert", "draw.frag.depth.scene", 2, multiview,
-                                                     true, ColourFormat::Halves, samples, Topology::List});
+        const auto pipeline = backend->drawPipeline(
+            {multiview ? "draw.vert.multiview" : "draw.vert", "draw.frag.depth.scene", 2, multiview, true, samples, Topology::List});
         EXPECT_TRUE(pipeline) << (pipeline ? "" : pipeline.error().message);
         step.pipeline = *pipeline, step.target = target, step.view = view;
         step.bindings = {{counts}, {order}, {projected}, {scene}};
@@ -107,7 +107,7 @@ TEST(MetalHost, barriersStandWhereAStepNeedsAnEarlierOne) {
 
 TEST(MetalHost, oneLayeredDrawReachesAllViews) {
     Bench b;
-    const TargetId target = *b.backend->createTarget({64, 48, 2, true, true, ColourFormat::Halves, 1, false});
+    const TargetId target = *b.backend->createTarget({64, 48, 2, true, true, 1, false});
     std::vector<Step> steps = b.filled();
     steps.push_back(b.draw(target, true, 1, 0));
     ASSERT_TRUE(b.backend->submit(b.frame(steps)));
@@ -129,7 +129,7 @@ TEST(MetalHost, withoutLayersEachViewIsAPass) {
     EXPECT_FALSE(b.backend->createTarget({64, 48, 2, true, true})) << "layered";
     for (const uint32_t samples : {1u, 4u}) {
         b.record.calls.clear();
-        const TargetId target = *b.backend->createTarget({64, 48, 2, true, false, ColourFormat::Halves, samples, false});
+        const TargetId target = *b.backend->createTarget({64, 48, 2, true, false, samples, false});
         std::vector<Step> steps = b.filled();
         for (const uint32_t view : {0u, 1u}) steps.push_back(b.draw(target, false, samples, view));
         ASSERT_TRUE(b.backend->submit(b.frame(steps)));
@@ -144,7 +144,7 @@ TEST(MetalHost, withoutLayersEachViewIsAPass) {
 
 TEST(MetalHost, refusesWrongStepsAsEveryBackendDoes) {
     Bench b;
-    DrawStep step = b.draw(*b.backend->createTarget({64, 48, 2, true, true, ColourFormat::Halves}), true, 1, 0);
+    DrawStep step = b.draw(*b.backend->createTarget({64, 48, 2, true, true}), true, 1, 0);
     const auto refused = [&](DrawStep wrong, const char* part, std::vector<Step> before) {
         before.push_back(wrong);
         const auto made = b.backend->createFrame(before, FrameRun::Submitted);
@@ -163,7 +163,7 @@ TEST(MetalHost, refusesWrongStepsAsEveryBackendDoes) {
     refused(wrong, "target that does not exist", b.filled());
     EXPECT_FALSE(b.backend->createTarget({0, 48}));
     EXPECT_FALSE(b.backend->createTarget({20000, 48}));
-    EXPECT_FALSE(b.backend->createTarget({64, 48, 1, false, true, ColourFormat::Halves, 2})) << "two samples";
+    EXPECT_FALSE(b.backend->createTarget({64, 48, 1, false, true, 2})) << "two samples";
     EXPECT_FALSE(b.backend->computePipeline("no such kernel"));
 }
 
@@ -325,7 +325,7 @@ TEST(MetalHost, nothingOfABackendOutlivesIt) {
     RecordingSeam::Record record;
     {
         Bench b(true, {});
-        const TargetId target = *b.backend->createTarget({64, 48, 2, true, true, ColourFormat::Halves, 4, true});
+        const TargetId target = *b.backend->createTarget({64, 48, 2, true, true, 4, true});
         std::vector<Step> steps = b.filled();
         steps.push_back(b.draw(target, true, 4, 0));
         const FrameId frame = b.frame(steps, FrameRun::Encoded);
@@ -371,7 +371,7 @@ TEST(MetalHost, composersRefusePassesThatTheyCannotFill) {
 
 TEST(MetalHost, composeOrdersTheAppsEncoderBehindPrepareAndSetsAllThatItNeeds) {
     Bench b;
-    const TargetId target = *b.backend->createTarget({64, 48, 2, true, true, ColourFormat::Halves, 1, true});
+    const TargetId target = *b.backend->createTarget({64, 48, 2, true, true, 1, true});
     const ComposerId layered =
         *b.backend->createComposer({PixelFormat::RGBA16Float, PixelFormat::Depth32Float, {}, 1, 2, PictureDepth::Splats});
     const ComposerId single = *b.backend->createComposer({PixelFormat::BGRA8Unorm});

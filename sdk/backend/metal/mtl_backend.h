@@ -14,7 +14,8 @@
 namespace dpl::mtl {
 
 constexpr uint32_t kViewMaskIndex = 24;  // buffer index of {first view, number of views} in shaders built with multiview
-constexpr uint32_t kPushIndex = 29;      // of push constants (kMslPushBuffer of tools/shaderpack/msl.h)
+constexpr PixelFormat kColourFormat = PixelFormat::RGBA16Float;  // of targets
+constexpr uint32_t kPushIndex = 29;                              // of push constants (kMslPushBuffer of tools/shaderpack/msl.h)
 
 struct Buffer {
     BufferDesc desc;

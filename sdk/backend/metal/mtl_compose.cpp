@@ -34,8 +34,7 @@ bool hasDepth(PixelFormat format) {
 /** A texture and a buffer for what compose binds and does not read. */
 Result<MetalBackend::Unread> MetalBackend::makeUnread() {
     Unread made;
-    DPL_TRY(made.target,
-            createTarget({.widthPx = 1, .heightPx = 1, .multiview = info_.multiview, .colour = ColourFormat::Halves, .sampled = true}));
+    DPL_TRY(made.target, createTarget({.widthPx = 1, .heightPx = 1, .multiview = info_.multiview, .sampled = true}));
     DPL_TRY(made.buffer, createBuffer({"unread", 16}));
     return made;
 }

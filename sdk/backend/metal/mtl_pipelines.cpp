@@ -51,7 +51,7 @@ Status MetalBackend::makeDraw(Pipeline& p, const DrawPipelineDesc& desc) {
                     p.shader->name);
     // Premultiplied "over", back to front; alpha holds the transmittance.
     PipelineColour colour;
-    colour.format = desc.colour == ColourFormat::Halves ? PixelFormat::RGBA16Float : PixelFormat::RGBA8Unorm;
+    colour.format = kColourFormat;
     colour.blends = true;
     colour.alphaFrom = BlendFactor::Zero;
     RenderPipelineDesc wanted;
@@ -89,8 +89,8 @@ Result<PipelineId> MetalBackend::computePipeline(std::string_view name) {
 
 Result<PipelineId> MetalBackend::drawPipeline(const DrawPipelineDesc& desc) {
     Pipeline p;
-    p.key = formatText("{}+{}+{}{}{}{}+{}{}", desc.vertex, desc.fragment, desc.views, desc.multiview ? "M" : "", desc.depth ? "D" : "",
-                       "8H"[int(desc.colour)], desc.samples, desc.topology == Topology::List ? "T" : "");
+    p.key = formatText("{}+{}+{}{}{}+{}{}", desc.vertex, desc.fragment, desc.views, desc.multiview ? "M" : "", desc.depth ? "D" : "",
+                       desc.samples, desc.topology == Topology::List ? "T" : "");
     if (PipelineId known = findPipeline(p.key)) return known;
     p.shader = pack_.find(desc.vertex);
     p.fragment = pack_.find(desc.fragment + std::string(desc.samples > 1 ? kSamplesSuffix : ""));

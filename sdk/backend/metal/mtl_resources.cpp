@@ -99,13 +99,12 @@ Status MetalBackend::makeTarget(Target& t) {
     if (desc.samples != 1 && (!info_.fourSamples || desc.samples != 4))
         return fail(Code::Unsupported, "{} samples a pixel are not possible on {}", desc.samples, info_.name);
     if (desc.multiview && !info_.multiview) return fail(Code::Unsupported, "{} has no layered rendering", info_.name);
-    const PixelFormat colour = desc.colour == ColourFormat::Halves ? PixelFormat::RGBA16Float : PixelFormat::RGBA8Unorm;
-    DPL_TRY(t.colour, makeTexture(t, colour, false, "colour"));
+    DPL_TRY(t.colour, makeTexture(t, kColourFormat, false, "colour"));
     if (desc.depth) {
         DPL_TRY(t.depth, makeTexture(t, depthSums(), false, "depth sums"));
     }
     if (desc.samples == 1) return {};
-    DPL_TRY(t.colourSamples, makeTexture(t, colour, true, "colour samples"));
+    DPL_TRY(t.colourSamples, makeTexture(t, kColourFormat, true, "colour samples"));
     if (desc.depth) {
         DPL_TRY(t.depthSamples, makeTexture(t, depthSums(), true, "depth sum samples"));
     }

@@ -2,6 +2,8 @@
 // How a backend begins and ends.
 #include "sdk/backend/vulkan/vk_backend.h"
 
+#include "sdk/backend/vulkan/vulkan_backend.h"
+
 namespace dpl::vk {
 
 VulkanBackend::VulkanBackend(std::unique_ptr<Device> device, ShaderPack pack)
@@ -61,12 +63,22 @@ Result<std::unique_ptr<VulkanBackend>> startBackend(std::unique_ptr<Device> devi
     return backend;
 }
 
+Result<ShaderPack> embeddedPack() {
+    return readShaderPack(embeddedShaderPack(), "the embedded shader pack", embeddedShaderInterface());
+}
+
 }  // namespace
 
 Result<std::unique_ptr<VulkanBackend>> createBackendOn(const AppDevice& app) {
-    DPL_TRY(ShaderPack pack, readShaderPack(embeddedShaderPack(), "the embedded shader pack", embeddedShaderInterface()));
+    DPL_TRY(ShaderPack pack, embeddedPack());
     DPL_TRY(auto device, borrowDevice(app));
     return startBackend(std::move(device), std::move(pack));
+}
+
+Result<std::unique_ptr<Backend>> createBackend(const DeviceRequest& request, ShaderPack pack) {
+    DPL_TRY(auto device, openDevice(request));
+    DPL_TRY(auto backend, startBackend(std::move(device), std::move(pack)));
+    return std::unique_ptr<Backend>(std::move(backend));
 }
 
 }  // namespace dpl::vk
@@ -74,17 +86,8 @@ Result<std::unique_ptr<VulkanBackend>> createBackendOn(const AppDevice& app) {
 namespace dpl {
 
 Result<std::unique_ptr<Backend>> createVulkanBackend(const VulkanOptions& options) {
-    return createVulkanBackend(VulkanTestOptions{options});
-}
-
-Result<std::unique_ptr<Backend>> createVulkanBackend(const VulkanTestOptions& options) {
-    const bool own = options.shaderPack.empty();
-    DPL_TRY(ShaderPack pack,
-            readShaderPack(own ? embeddedShaderPack() : options.shaderPack, own ? "the embedded shader pack" : "the given shader pack",
-                           own ? embeddedShaderInterface() : options.shaderInterface));
-    DPL_TRY(auto device, vk::openDevice(options));
-    DPL_TRY(auto backend, vk::startBackend(std::move(device), std::move(pack)));
-    return std::unique_ptr<Backend>(std::move(backend));
+    DPL_TRY(ShaderPack pack, vk::embeddedPack());
+    return vk::createBackend({.allowSoftware = options.allowSoftwareDevice}, std::move(pack));
 }
 
 }  // namespace dpl

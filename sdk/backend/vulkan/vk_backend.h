@@ -142,14 +142,8 @@ struct SceneImage {
     ScenePlace place;
 };
 
-inline VkFormat vulkanFormat(ColourFormat colour) {
-    switch (colour) {
-        case ColourFormat::Halves:
-            return VK_FORMAT_R16G16B16A16_SFLOAT;
-        default:
-            return VK_FORMAT_R8G8B8A8_UNORM;
-    }
-}
+/** Of targets. Every Vulkan device blends it. */
+constexpr VkFormat kColourFormat = VK_FORMAT_R16G16B16A16_SFLOAT;
 
 class VulkanBackend final : public SlottedBackend {
 public:
@@ -299,9 +293,8 @@ private:
     std::map<uint32_t, Buffer> buffers_;
     std::map<uint32_t, Target> targets_;
     std::map<uint32_t, Frame> frames_;
-    std::vector<Pipeline> pipelines_;  // PipelineId::value is the index + 1
-    std::map<std::tuple<uint32_t, bool, ColourFormat, uint32_t, bool>, VkRenderPass>
-        renderPasses_;                               // by layers, depth, colour, samples, sampled
+    std::vector<Pipeline> pipelines_;                                                  // PipelineId::value is the index + 1
+    std::map<std::tuple<uint32_t, bool, uint32_t, bool>, VkRenderPass> renderPasses_;  // by layers, depth, samples, sampled
     VkCommandBuffer copyCommands_ = VK_NULL_HANDLE;  // of the copy that is submitted; on a device of the backend's own
     VkFence copyFence_ = VK_NULL_HANDLE;
 

@@ -34,8 +34,7 @@ bool hasDepth(VkFormat format) {
 Status VulkanBackend::makeLayerSlots() {
     marks_.desc = {"marks", kAppSlots * sizeof(uint32_t), BufferMemory::Readback};
     DPL_RETURN_IF_ERROR(makeBuffer(marks_));
-    DPL_TRY(unread_.target,
-            createTarget({.widthPx = 1, .heightPx = 1, .multiview = info().multiview, .colour = ColourFormat::Halves, .sampled = true}));
+    DPL_TRY(unread_.target, createTarget({.widthPx = 1, .heightPx = 1, .multiview = info().multiview, .sampled = true}));
     DPL_TRY(unread_.buffer, createBuffer({"unread", 16}));
     composeLayout_.shader = pack_.find("compose.vert");
     composeLayout_.fragment = pack_.find("compose.depth");

@@ -261,27 +261,25 @@ Device::~Device() {
     if (instance && vk.vkDestroyInstance && !staysOpen(instance)) vk.vkDestroyInstance(instance, nullptr);
 }
 
-Result<std::unique_ptr<Device>> openDevice(const VulkanTestOptions& options) {
+Result<std::unique_ptr<Device>> openDevice(const DeviceRequest& request) {
     auto d = std::make_unique<Device>();
-    d->validationMessages = options.validationMessages ? options.validationMessages : std::make_shared<std::atomic<uint32_t>>(0);
-    DPL_RETURN_IF_ERROR(createInstance(*d, options.enableValidation));
+    d->validationMessages = request.validationMessages;
+    DPL_RETURN_IF_ERROR(createInstance(*d, request.validationMessages != nullptr));
     const std::vector<Candidate> list = candidates(d->vk, d->instance);
     if (list.empty()) return fail(Code::Unsupported, "no Vulkan 1.1 device with graphics and compute; use the software renderer");
     const Candidate* chosen = nullptr;
     for (const Candidate& c : list) {
-        if (c.info.isSoftware() && !options.allowSoftwareDevice) continue;
-        if (c.info.name.find(options.deviceName) == std::string::npos) continue;
+        if (c.info.isSoftware() && !request.allowSoftware) continue;
+        if (c.info.name.find(request.name) == std::string::npos) continue;
         chosen = &c;
         break;
     }
     if (!chosen)
-        return fail(Code::Unsupported, "no Vulkan device fits (wanted '{}', software devices {}); the best here is {}", options.deviceName,
-                    options.allowSoftwareDevice ? "allowed" : "not allowed", list.front().info.name);
+        return fail(Code::Unsupported, "no Vulkan device fits (wanted '{}', software devices {}); the best here is {}", request.name,
+                    request.allowSoftware ? "allowed" : "not allowed", list.front().info.name);
     take(*d, *chosen);
-    if (options.withoutMultiview) d->info.multiview = false;
-    if (!options.shuffle) d->info.shuffle = false;
-    if (!options.ignoreQuirks) applyQuirks(d->info);
-    if (!options.typedBuffers) d->info.texels = false;
+    if (request.quirks) applyQuirks(d->info);
+    if (request.narrow) request.narrow(d->info);
 
     const float priority = 1;
     VkDeviceQueueCreateInfo queue{VK_STRUCTURE_TYPE_DEVICE_QUEUE_CREATE_INFO};
@@ -307,7 +305,6 @@ Result<std::unique_ptr<Device>> openDevice(const VulkanTestOptions& options) {
 Result<std::unique_ptr<Device>> borrowDevice(const AppDevice& app) {
     auto d = std::make_unique<Device>();
     d->lent = true;
-    d->validationMessages = std::make_shared<std::atomic<uint32_t>>(0);
     if (!app.instance || !app.physical || !app.device || !app.queue)
         return fail(Code::InvalidArgument, "the {} of the app's device is null",
                     !app.instance   ? "instance"

@@ -3,7 +3,7 @@
 #pragma once
 
 #include "sdk/backend/vulkan/vk_functions.h"
-#include "sdk/backend/vulkan/vulkan_test_options.h"
+#include "sdk/backend/vulkan/vk_open.h"
 
 namespace dpl::vk {
 
@@ -83,7 +83,7 @@ struct Device {
 };
 
 /** Code::Unsupported when there is no loader, no driver or no device that fits; Code::NotFound when the validation layer is missing. */
-Result<std::unique_ptr<Device>> openDevice(const VulkanTestOptions& options);
+Result<std::unique_ptr<Device>> openDevice(const DeviceRequest& request);
 
 /** Code::InvalidArgument: a handle is null, or the queue family does not exist. Code::Unsupported: the device is older than Vulkan 1.1, or
  *  the queue family lacks graphics or compute. */

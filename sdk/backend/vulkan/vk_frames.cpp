@@ -77,11 +77,10 @@ struct VulkanBackend::Recorder {
 
     Status operator()(const ReadbackStep& step) {
         const Target& target = backend.targets_.at(step.target.value);
-        const bool rounds = target.desc.colour != ColourFormat::Codes8;
-        if (rounds) roundColour(target);
+        roundColour(target);
         for (uint32_t v = 0; v < target.desc.views; ++v) {
             const Surface& surface = target.surfaces[target.desc.multiview ? 0 : v];
-            copy(target, v, rounds ? surface.rounded : surface.colour, step.colour, 4);
+            copy(target, v, surface.rounded, step.colour, 4);
             if (step.depth) copy(target, v, surface.depth, step.depth, backend.device_->info.halfDepth ? 4 : 8);
         }
         hostBarrier();

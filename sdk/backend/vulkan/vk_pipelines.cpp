@@ -8,8 +8,7 @@ namespace dpl::vk {
 Result<VkRenderPass> VulkanBackend::renderPass(const TargetDesc& target) {
     const uint32_t layers = target.multiview ? target.views : 0, samples = target.samples;
     const bool depth = target.depth;
-    const ColourFormat colour = target.colour;
-    const auto key = std::tuple(layers, depth, colour, samples, target.sampled);
+    const auto key = std::tuple(layers, depth, samples, target.sampled);
     if (const auto it = renderPasses_.find(key); it != renderPasses_.end()) return it->second;
     const uint32_t targets = depth ? 2 : 1;
     std::array<VkAttachmentDescription, 4>
@@ -24,8 +23,7 @@ Result<VkRenderPass> VulkanBackend::renderPass(const TargetDesc& target) {
         a.finalLayout = target.sampled ? VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL : VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL;
     }
     for (uint32_t i = 0; i < 2 * targets; ++i) {
-        const VkFormat colourFormat = vulkanFormat(colour);
-        attachments[i].format = i % targets == 0 ? colourFormat : device_->depthSumFormat;
+        attachments[i].format = i % targets == 0 ? kColourFormat : device_->depthSumFormat;
         if (samples == 1) continue;
         if (i < targets) {
             attachments[i].samples = VkSampleCountFlagBits(samples);
@@ -181,7 +179,7 @@ Status VulkanBackend::makeDraw(Pipeline& p, const DrawPipelineDesc& desc) {
     info.pColorBlendState = &colour;
     info.pDynamicState = &dynamicInfo;
     info.layout = p.layout;
-    DPL_TRY(info.renderPass, renderPass({0, 0, desc.views, desc.depth, desc.multiview, desc.colour, desc.samples}));
+    DPL_TRY(info.renderPass, renderPass({0, 0, desc.views, desc.depth, desc.multiview, desc.samples}));
     DPL_TRY(stages[0].module, shaderModule(*p.shader));
     auto second = shaderModule(fragment);
     if (!second) {
@@ -227,8 +225,8 @@ Result<PipelineId> VulkanBackend::computePipeline(std::string_view name) {
 
 Result<PipelineId> VulkanBackend::drawPipeline(const DrawPipelineDesc& desc) {
     Pipeline p;
-    p.key = formatText("{}+{}+{}{}{}{}+{}{}", desc.vertex, desc.fragment, desc.views, desc.multiview ? "M" : "", desc.depth ? "D" : "",
-                       "8H"[int(desc.colour)], desc.samples, desc.topology == Topology::List ? "T" : "");
+    p.key = formatText("{}+{}+{}{}{}+{}{}", desc.vertex, desc.fragment, desc.views, desc.multiview ? "M" : "", desc.depth ? "D" : "",
+                       desc.samples, desc.topology == Topology::List ? "T" : "");
     if (PipelineId known = findPipeline(p.key)) return known;
     p.shader = findShader(desc.vertex);
     p.fragment = findShader(desc.fragment);

@@ -156,9 +156,8 @@ void VulkanBackend::freeImage(Image& image) {
 Status VulkanBackend::makeSurface(Surface& s, const Target& t) {
     constexpr VkImageUsageFlags kDrawn = VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT;
     const VkImageUsageFlags read = kDrawn | (t.desc.sampled ? VK_IMAGE_USAGE_SAMPLED_BIT : 0);
-    const VkFormat colour = vulkanFormat(t.desc.colour);
-    DPL_RETURN_IF_ERROR(makeImage(s.colour, colour, t, read));
-    if (t.desc.colour != ColourFormat::Codes8 && !t.desc.sampled) {
+    DPL_RETURN_IF_ERROR(makeImage(s.colour, kColourFormat, t, read));
+    if (!t.desc.sampled) {
         DPL_RETURN_IF_ERROR(makeImage(s.rounded, VK_FORMAT_R8G8B8A8_UNORM, t, VK_IMAGE_USAGE_TRANSFER_DST_BIT));
     }
     if (t.desc.depth) {
@@ -166,7 +165,7 @@ Status VulkanBackend::makeSurface(Surface& s, const Target& t) {
     }
     std::vector<VkImageView> views;  // in the order of the attachments in renderPass()
     if (t.desc.samples > 1) {
-        DPL_RETURN_IF_ERROR(makeImage(s.colourSamples, colour, t, kDrawn, t.desc.samples));
+        DPL_RETURN_IF_ERROR(makeImage(s.colourSamples, kColourFormat, t, kDrawn, t.desc.samples));
         if (t.desc.depth) {
             DPL_RETURN_IF_ERROR(makeImage(s.depthSamples, device_->depthSumFormat, t, kDrawn, t.desc.samples));
         }

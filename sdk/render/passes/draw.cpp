@@ -5,14 +5,8 @@ namespace dpl {
 
 DrawPipelineDesc drawPipelineOf(const FrameIds& ids, uint32_t samples) {
     const std::string fragment = std::string("draw.frag") + (ids.depth ? ".depth" : "") + (ids.sceneDepth ? ".scene" : "");
-    return {ids.multiview ? "draw.vert.multiview" : "draw.vert",
-            fragment,
-            ids.viewCount,
-            ids.multiview,
-            ids.depth,
-            ids.colour,
-            samples,
-            Topology::List};
+    return {
+        ids.multiview ? "draw.vert.multiview" : "draw.vert", fragment, ids.viewCount, ids.multiview, ids.depth, samples, Topology::List};
 }
 
 void addDraw(FramePlan& plan, const FrameIds& ids) {

@@ -5,7 +5,6 @@
 #extension GL_GOOGLE_include_directive : require
 #include "shaders/shared/frame.h"
 #include "shaders/lib/reads.glsl"
-#include "shaders/lib/order.glsl"
 layout(local_size_x = 64) in;  // kCompactGroup
 
 DPL_WORDS(0, VisibilityBlock, visibility);
@@ -30,7 +29,7 @@ void main() {
         left &= left - 1u;
         // with 24 bits, adding the half may round up to 2²⁴
         float level = clamp((uintBitsToFloat(bits) - start) * scale + offset, 0.0, most);
-        pairs[slot] = SortPair(push.maxDepthKey == kFloatDepthKeys ? dplOrderedBits(uintBitsToFloat(bits)) : uint(level), splat);
+        pairs[slot] = SortPair(uint(level), splat);
         ++slot;
     }
 }

@@ -45,7 +45,7 @@ ProjectedSplat showIn(ViewData view, BoundSplat s, bool mayShow) {
             float opacity = s.opacity * nearFade(f.depthM);
             if (frame.compensated != 0u) opacity *= f.compensation;
             if (s.gated) opacity *= dplSingleFaceGate(s.normal, s.centre, dplEyeWorld(view));
-            p = dplShow(f, opacity, frame.targetPx, frame.cullNothing != 0u);
+            p = dplShow(f, opacity, frame.targetPx);
         }
     }
     return p;

@@ -33,7 +33,7 @@ bool showIn(ViewData view, uint slot, GeneralSplat s) {
     if (f.visible) {
         float opacity = s.opacity * nearFade(f.depthM);
         if (frame.compensated != 0u) opacity *= f.compensation;
-        p = dplShow(f, opacity, frame.targetPx, frame.cullNothing != 0u);
+        p = dplShow(f, opacity, frame.targetPx);
     }
     projected[slot] = p;
     return dplShown(p.opacityAndRadius);

@@ -25,7 +25,6 @@ shared uint groupSplats[2];
 
 /** Bits of TriangleFrame.shows for view 0. */
 uint shownIn(ViewData view, vec3 v0, vec3 v1, vec3 v2, vec3 normal, float reach, float rootLevel) {
-    if (frame.cullNothing != 0u) return kShowsFree | kShowsGated;
     if (!dplTriangleInView(view, v0, v1, v2, reach, rootLevel, frame.targetPx, frame.kappaPx2)) return 0u;
     return dot(normal, dplEyeWorld(view) - v0) > 0.0 ? kShowsFree | kShowsGated : kShowsFree;
 }

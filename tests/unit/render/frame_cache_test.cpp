@@ -15,9 +15,9 @@ namespace {
 struct CacheSetup {
     std::shared_ptr<NullRecord> record = std::make_shared<NullRecord>();
     std::unique_ptr<Backend> backend = std::move(*createNullBackend(record, {}));
-    AvatarStore store{*backend, true};
+    AvatarStore store{*backend};
     std::vector<uint64_t> freed;
-    FrameCache cache{*backend, store, {}, [this](const RecordedFrame& frame) { freed.push_back(frame.key); }};
+    FrameCache cache{*backend, store, [this](const RecordedFrame& frame) { freed.push_back(frame.key); }};
 
     RenderAvatarId add() {
         const auto tube = std::make_shared<const AvatarData>(makeTube({.splatsPerTriangle = 2, .rings = 6}));

@@ -59,7 +59,7 @@ std::vector<Vec4f> skinOnDevice(Backend& backend, const AvatarData& avatar, cons
 
 TEST(VulkanCorrectives, deviceVerticesAreTheRefereesToAThousandthOfTheirRange) {
     VulkanTestOptions options = testVulkanOptions();
-    auto backend = createVulkanBackend(options);
+    auto backend = createTestBackend(options);
     if (!backend) GTEST_SKIP() << backend.error().message;
     expectCorrectivesMatch(
         "Vulkan", [&](const AvatarData& avatar, const Pose& pose, bool skinned) { return skinOnDevice(**backend, avatar, pose, skinned); });

@@ -29,7 +29,7 @@ ReferenceImage reducedReference(const Subject& s, const Pose& pose, const Camera
 }
 
 TEST_P(VulkanImage, levelOfDetailAgreesWithTheReferee) {
-    TestVulkan vulkan(withPreciseBlendingOfAnyWidth(), GetParam());
+    TestVulkan vulkan(testVulkanOptions(), GetParam());
     DPL_NEED_VULKAN(vulkan);
     const Subject s;
     const auto id = vulkan.renderer->addAvatar(s.avatar);
@@ -48,8 +48,8 @@ TEST_P(VulkanImage, levelOfDetailAgreesWithTheReferee) {
             "[  IMAGE   ] %4.2f splats a pixel, %5u drawn of %5.1f %%: colour %.1f dB (max %.4f), alpha %.1f dB; against all splats %.1f "
             "dB\n",
             perPixel, stats->splatsDrawn, 100 * double(stats->detailShare), d.psnrDb, d.maxError, d.alphaPsnrDb, all.psnrDb);
-        EXPECT_GE(d.psnrDb, lavapipeCompilerCrashes() ? kMinBytePsnrDb : kMinPsnrDb);
-        EXPECT_GE(d.alphaPsnrDb, kMinBytePsnrDb);
+        EXPECT_GE(d.psnrDb, kMinPsnrDb);
+        EXPECT_GE(d.alphaPsnrDb, kMinPsnrDb);
         EXPECT_LT(all.psnrDb, d.psnrDb) << "nothing was left out";
         EXPECT_LE(stats->splatsDrawn, stats->splatsAllowed);
         EXPECT_LT(stats->splatsDrawn, before);
@@ -93,7 +93,7 @@ TEST_P(VulkanImage, bothEyesShowTheSameSplats) {
     std::vector<RenderedView> both(2);
     ASSERT_TRUE(vulkan.renderer->render(*id, pose, pair, {}, both));
     EXPECT_TRUE(both[1].rgba == drawOne(*vulkan.renderer, *id, pose, near).rgba ||
-                compare(both[1], reducedReference(s, pose, near, kPerPixel)).psnrDb > kMinBytePsnrDb);
+                compare(both[1], reducedReference(s, pose, near, kPerPixel)).psnrDb > kMinPsnrDb);
     const std::vector<uint8_t> coarser = drawOne(*vulkan.renderer, *id, pose, far).rgba;
     const double ratio = pixelM(far) / pixelM(near);
     ASSERT_GT(ratio, 1.2);
@@ -123,7 +123,7 @@ Pops popsOf(const std::vector<std::vector<float>>& frames) {
 }
 
 TEST_P(VulkanImage, nothingPopsWhileTheCameraWalksAway) {
-    TestVulkan vulkan(withPreciseBlending(), GetParam());
+    TestVulkan vulkan(testVulkanOptions(), GetParam());
     DPL_NEED_VULKAN(vulkan);
     const Subject s;
     const auto id = vulkan.renderer->addAvatar(s.avatar);
@@ -163,7 +163,7 @@ Cameraf roomCamera(float aside = 0, float forward = 0, float turnRad = 0) {
 }
 
 TEST_P(VulkanImage, levelOfDetailOfGeneralSplatsAgreesWithTheReferee) {
-    TestVulkan vulkan(withPreciseBlendingOfAnyWidth(), GetParam());
+    TestVulkan vulkan(testVulkanOptions(), GetParam());
     DPL_NEED_VULKAN(vulkan);
     const StaticSplatData room = splatRoom(1, 9005, 3);
     const auto id = vulkan.renderer->addSplats(room);
@@ -191,7 +191,7 @@ TEST_P(VulkanImage, levelOfDetailOfGeneralSplatsAgreesWithTheReferee) {
         std::printf(
             "[  IMAGE   ] room, %5.3f splats a pixel, %5u drawn of %5.1f %%: colour %.1f dB (max %.4f); against all splats %.1f dB\n",
             double(perPixel), stats->splatsDrawn, 100 * double(stats->detailShare), d.psnrDb, d.maxError, toAll.psnrDb);
-        EXPECT_GE(d.psnrDb, lavapipeCompilerCrashes() ? kMinBytePsnrDb : kMinPsnrDb);
+        EXPECT_GE(d.psnrDb, kMinPsnrDb);
         EXPECT_LT(toAll.psnrDb, d.psnrDb) << "nothing was left out";
     }
     vulkan.renderer->setDetail({});
@@ -200,7 +200,7 @@ TEST_P(VulkanImage, levelOfDetailOfGeneralSplatsAgreesWithTheReferee) {
 
 /** Also for eyes whose axes differ so much that each has its own frame: level of detail still looks at both. */
 TEST_P(VulkanImage, bothEyesShowTheSameGeneralSplats) {
-    TestVulkan vulkan(withPreciseBlending(), GetParam());
+    TestVulkan vulkan(testVulkanOptions(), GetParam());
     DPL_NEED_VULKAN(vulkan);
     const StaticSplatData room = splatRoom(2, 6000);
     const auto id = vulkan.renderer->addSplats(room);
@@ -256,7 +256,7 @@ TEST_P(VulkanImage, oneBudgetHoldsForAnAvatarAndGeneralSplats) {
 }
 
 TEST_P(VulkanImage, nothingPopsWhileTheCameraWalksThroughARoom) {
-    TestVulkan vulkan(withPreciseBlending(), GetParam());
+    TestVulkan vulkan(testVulkanOptions(), GetParam());
     DPL_NEED_VULKAN(vulkan);
     const StaticSplatData room = splatRoom(4, 6000);
     const auto id = vulkan.renderer->addSplats(room);

@@ -40,7 +40,7 @@ std::vector<uint8_t> bytesOf(const ReferenceImage& image) {
 }
 
 TEST_P(VulkanImage, aSlowlyTurningCameraFlickersNoMoreThanTheReference) {
-    TestVulkan vulkan(withPreciseBlending(), GetParam());
+    TestVulkan vulkan(testVulkanOptions(), GetParam());
     DPL_NEED_VULKAN(vulkan);
     const auto avatar = share(makeTube({.singleFace = true, .colourSpread = 0.4f}));
     const auto id = vulkan.renderer->addAvatar(avatar);

@@ -14,39 +14,11 @@
 
 namespace dpl {
 
-// 16-bit blending leaves two errors: splats with equal 16-bit depth keys are drawn in splat order, and the 1/255 cut-off. At least 50 dB.
+// Two errors are left: splats with equal 16-bit depth keys are drawn in splat order, and the 1/255 cut-off. At least 50 dB.
 constexpr double kMinPsnrDb = 50;
-// 8-bit blending rounds once in every layer and loses tails below half a level: up to 5 levels where a close-up stacks many faint layers.
-constexpr double kMinBytePsnrDb = 46;
 
 /** Every test runs with both fills. */
 class VulkanImage : public testing::TestWithParam<Fill> {};
-
-inline VulkanTestOptions withPreciseBlending() {
-    VulkanTestOptions options = testVulkanOptions();
-    options.preciseBlending = true;
-    return options;
-}
-
-/** With vectors of 512 bits lavapipe 22.3.6 crashes while it compiles some fragment shaders: those for f16 targets and for targets of
- *  several samples. The faulting thread runs only the driver: it is inside LLVM's BitCastInst,
- *  called by libvulkan_lvp. In the four core dumps that were read, a use-list pointer holds the text "p_mask". */
-inline bool lavapipeCompilerCrashes() {
-    const char* width = std::getenv("LP_NATIVE_VECTOR_WIDTH");
-    return width && std::string(width) == "512";
-}
-
-/** 16-bit blending where the driver survives it. For tests that run at every width. */
-inline VulkanTestOptions withPreciseBlendingOfAnyWidth() {
-    VulkanTestOptions options = withPreciseBlending();
-    options.preciseBlending = !lavapipeCompilerCrashes();
-    return options;
-}
-
-/** Name of the blending, for output. */
-inline const char* blendedIn(const VulkanTestOptions& options) {
-    return options.preciseBlending ? "f16" : "8 bit";
-}
 
 inline std::shared_ptr<const AvatarData> share(AvatarData a) {
     return std::make_shared<const AvatarData>(codedOnce(std::move(a)));

@@ -15,7 +15,7 @@ INSTANTIATE_TEST_SUITE_P(Fill, VulkanImage, testing::Values(Fill::Quads, Fill::T
 
 /** Bounds of the difference from the referee. covered: smallest share of pixels that must be drawn. */
 struct Bounds {
-    double covered = 0.005, maxDepthErrorM = 0.02, minBytePsnrDb = kMinBytePsnrDb;
+    double covered = 0.005, maxDepthErrorM = 0.02;
 };
 
 /** What the rounding of depth adds to its error. On devices that do not blend 32-bit floats the sums are halves: each blend rounds by up to
@@ -36,23 +36,21 @@ RenderedView expectAgrees(TestVulkan& vulkan, const std::string& name, const Res
     }
     RenderedView image = drawOne(*vulkan.renderer, *id, pose, camera, true);
     const Difference d = compare(image, want);
-    const bool precise = vulkan.options.preciseBlending;
-    const double minPsnrDb = precise ? kMinPsnrDb : bounds.minBytePsnrDb;
-    std::printf("[  IMAGE   ] %-24s %s: colour %.1f dB (max %.4f), alpha %.1f dB, depth max %.5f m, covered %.1f %%\n", name.c_str(),
-                blendedIn(vulkan.options), d.psnrDb, d.maxError, d.alphaPsnrDb, d.maxDepthErrorM, d.covered * 100);
+    std::printf("[  IMAGE   ] %-24s: colour %.1f dB (max %.4f), alpha %.1f dB, depth max %.5f m, covered %.1f %%\n", name.c_str(), d.psnrDb,
+                d.maxError, d.alphaPsnrDb, d.maxDepthErrorM, d.covered * 100);
     dumpPicture(name.c_str(), image);
     EXPECT_GT(d.covered, bounds.covered) << name;
-    EXPECT_GE(d.psnrDb, minPsnrDb) << name;
-    EXPECT_GE(d.alphaPsnrDb, minPsnrDb) << name;
+    EXPECT_GE(d.psnrDb, kMinPsnrDb) << name;
+    EXPECT_GE(d.alphaPsnrDb, kMinPsnrDb) << name;
     EXPECT_LT(d.maxDepthErrorM, bounds.maxDepthErrorM + depthRoundingM(vulkan.device, want)) << name;
     expectFilledBy(*vulkan.renderer, *id, vulkan.fill);
     return image;
 }
 
 TEST_P(VulkanImage, equalsTheReferenceInSeveralPosesAndViews) {
-    TestVulkan precise(withPreciseBlending(), GetParam()), byte(testVulkanOptions(), GetParam());
-    DPL_NEED_VULKAN(precise);
-    std::printf("[  DEVICE  ] %s\n", precise.renderer->name().c_str());
+    TestVulkan vulkan(testVulkanOptions(), GetParam());
+    DPL_NEED_VULKAN(vulkan);
+    std::printf("[  DEVICE  ] %s\n", vulkan.renderer->name().c_str());
     struct Case {
         const char* name;
         bool singleFace;
@@ -69,44 +67,19 @@ TEST_P(VulkanImage, equalsTheReferenceInSeveralPosesAndViews) {
         const Pose pose = tubePose(c.bend, c.turn);
         const Cameraf camera = tubeCamera(160, 192, c.azimuth, c.distanceM);
         const ReferenceImage want = renderReference(*avatar, pose, referenceCamera(camera));
-        for (TestVulkan* vulkan : {&precise, &byte}) {
-            auto id = vulkan->renderer->addAvatar(avatar);
-            expectAgrees(*vulkan, c.name, id, pose, camera,
-                         want);  // bound of depth: a splat at the 1/255 cut-off may flip, which moves depth by α times the tube's thickness
-            if (id) vulkan->renderer->removeAvatar(*id);
-        }
+        auto id = vulkan.renderer->addAvatar(avatar);
+        expectAgrees(vulkan, c.name, id, pose, camera,
+                     want);  // bound of depth: a splat at the 1/255 cut-off may flip, which moves depth by α times the tube's thickness
+        if (id) vulkan.renderer->removeAvatar(*id);
     }
-}
-
-TEST_P(VulkanImage, floatKeysTakeTwiceTheRoundsAndAgreeWithTheReferenceToo) {
-    VulkanTestOptions options[2] = {withPreciseBlending(), withPreciseBlending()};
-    options[1].quantiseDepth = false;
-    const auto avatar = share(makeTube({.shDegree = 1}));
-    const Pose pose = tubePose(0.9f, 0.3f);
-    const Cameraf camera = tubeCamera(160, 192, 0.7f, 1.8f);
-    const ReferenceImage want = renderReference(*avatar, pose, referenceCamera(camera));
-    ptrdiff_t rounds[2];
-    for (int k = 0; k < 2; ++k) {
-        TestVulkan vulkan(options[k], GetParam());
-        DPL_NEED_VULKAN(vulkan);
-        const auto id = vulkan.renderer->addAvatar(avatar);
-        expectAgrees(vulkan, k == 0 ? "keys_16_bit" : "keys_32_bit", id, pose, camera, want);
-        const auto stats = vulkan.renderer->stats(*id);
-        ASSERT_TRUE(stats);
-        if (stats->passes.empty()) GTEST_SKIP() << "the device has no timestamps, so passes cannot be counted";
-        rounds[k] =
-            std::count_if(stats->passes.begin(), stats->passes.end(), [](const PassTime& pass) { return pass.label == "sort.scatter"; });
-    }
-    EXPECT_EQ(rounds[0], 2);
-    EXPECT_EQ(rounds[1], 4);
 }
 
 /** Draws the tube at a fraction of the size at which it was trained according to trainedPixelM. */
 /** A device that cannot shade single samples takes one sample a pixel. */
 TEST_P(VulkanImage, fourSamplesAPixelEqualTheReference) {
-    TestVulkan precise(withPreciseBlending(), GetParam()), byte(testVulkanOptions(), GetParam());
-    DPL_NEED_VULKAN(precise);
-    const bool four = precise.device.fourSamples;
+    TestVulkan vulkan(testVulkanOptions(), GetParam());
+    DPL_NEED_VULKAN(vulkan);
+    const bool four = vulkan.device.fourSamples;
     for (const float size : {0.5f, 0.25f}) {
         for (uint32_t seed = 1; seed <= 3; ++seed) {
             const Cameraf trained = tubeCamera(320, 384, 0.7f * float(seed), 1.8f), camera = trained.scaled(size);
@@ -117,16 +90,13 @@ TEST_P(VulkanImage, fourSamplesAPixelEqualTheReference) {
             const auto avatar = share(data);
             const ReferenceImage want = renderReference(*avatar, pose, referenceCamera(camera));
             EXPECT_LT(compareImages(one.rgb, want.rgb).psnrDb, 45) << "one sample gives the same picture, so this case tests nothing";
-            for (TestVulkan* vulkan : {&precise, &byte}) {
-                auto id = vulkan->renderer->addAvatar(avatar);
-                const RenderedView image = expectAgrees(
-                    *vulkan, (four ? "4 samples, x" : "1 sample, x") + std::to_string(size).substr(0, 4) + ", " + std::to_string(seed), id,
-                    pose, camera, four ? want : one,
-                    {.minBytePsnrDb = four ? kMinPsnrDb : kMinBytePsnrDb});  // the rounding of four samples averages, also in 8 bits
-                ASSERT_TRUE(id);
-                EXPECT_TRUE(drawOne(*vulkan->renderer, *id, pose, camera).rgba == image.rgba) << "with and without depth";
-                vulkan->renderer->removeAvatar(*id);
-            }
+            auto id = vulkan.renderer->addAvatar(avatar);
+            const RenderedView image = expectAgrees(
+                vulkan, (four ? "4 samples, x" : "1 sample, x") + std::to_string(size).substr(0, 4) + ", " + std::to_string(seed), id, pose,
+                camera, four ? want : one);
+            ASSERT_TRUE(id);
+            EXPECT_TRUE(drawOne(*vulkan.renderer, *id, pose, camera).rgba == image.rgba) << "with and without depth";
+            vulkan.renderer->removeAvatar(*id);
         }
     }
 }
@@ -134,7 +104,7 @@ TEST_P(VulkanImage, fourSamplesAPixelEqualTheReference) {
 /** Opaque limbs in front of each other. Beside an outline some samples of a tile are opaque after three layers, while their neighbours
  *  still show the limb behind. */
 TEST_P(VulkanImage, samplesBesideOneThatIsDoneStillSeeWhatLiesBehind) {
-    TestVulkan vulkan(withPreciseBlending(), GetParam());
+    TestVulkan vulkan(testVulkanOptions(), GetParam());
     DPL_NEED_VULKAN(vulkan);
     AvatarData data = makeTube({.splatsPerTriangle = 16, .shDegree = 0, .singleFace = false, .colourSpread = 0.3f});
     for (float& opacity : data.splats.opacity) opacity = 0.99f;
@@ -173,8 +143,8 @@ TEST_P(VulkanImage, anAvatarThatSaysItsTrainedPixelIsTheSameByteForByteUpToThatS
 }
 
 TEST_P(VulkanImage, correctivesMoveAndLightTheSurfaceAsInTheReference) {
-    TestVulkan precise(withPreciseBlending(), GetParam()), byte(testVulkanOptions(), GetParam());
-    DPL_NEED_VULKAN(precise);
+    TestVulkan vulkan(testVulkanOptions(), GetParam());
+    DPL_NEED_VULKAN(vulkan);
     struct Case {
         const char* name;
         test::CorrectiveOptions correctives;
@@ -194,19 +164,17 @@ TEST_P(VulkanImage, correctivesMoveAndLightTheSurfaceAsInTheReference) {
         EXPECT_LT(compareImages(renderReference(plain, pose, referenceCamera(camera)).rgb, want.rgb).psnrDb, 35)
             << c.name << ": this case tests nothing";
         for (const double l : referenceCorrection(*avatar, pose).light) darkest = std::min(darkest, l), brightest = std::max(brightest, l);
-        for (TestVulkan* vulkan : {&precise, &byte}) {
-            auto id = vulkan->renderer->addAvatar(avatar);
-            expectAgrees(*vulkan, std::string("correctives, ") + c.name, id, pose, camera, want);
-            if (id) vulkan->renderer->removeAvatar(*id);
-        }
+        auto id = vulkan.renderer->addAvatar(avatar);
+        expectAgrees(vulkan, std::string("correctives, ") + c.name, id, pose, camera, want);
+        if (id) vulkan.renderer->removeAvatar(*id);
     }
     EXPECT_EQ(darkest, 0.2);
     EXPECT_EQ(brightest, 3.0);
 }
 
 TEST_P(VulkanImage, generalSplatsEqualTheReferenceAtEveryShDegree) {
-    TestVulkan precise(withPreciseBlending(), GetParam()), byte(testVulkanOptions(), GetParam());
-    DPL_NEED_VULKAN(precise);
+    TestVulkan vulkan(testVulkanOptions(), GetParam());
+    DPL_NEED_VULKAN(vulkan);
     for (uint32_t degree = 0; degree <= 3; ++degree) {
         StaticSplatData splats = randomStaticSplats(degree + 1, 1500, degree);
         splats.compensated = degree % 2 == 1;  // SPZ files may set it
@@ -214,19 +182,17 @@ TEST_P(VulkanImage, generalSplatsEqualTheReferenceAtEveryShDegree) {
         const ReferenceImage want = renderReference(splats, referenceCamera(camera), {.compensated = splats.compensated});
         const ReferenceImage other = renderReference(splats, referenceCamera(camera), {.compensated = !splats.compensated});
         EXPECT_LT(compareImages(other.rgb, want.rgb).psnrDb, 45) << "compensation has no effect in this case";
-        for (TestVulkan* vulkan : {&precise, &byte}) {
-            auto id = vulkan->renderer->addSplats(splats);
-            // Splats lie up to 2 m behind each other. One that flips at the 1/255 cut-off moves depth by its α times 2 m.
-            expectAgrees(*vulkan, "general, SH " + std::to_string(degree), id, {}, camera, want, {.covered = 0.05, .maxDepthErrorM = 0.05});
-            if (id) vulkan->renderer->removeAvatar(*id);
-        }
+        auto id = vulkan.renderer->addSplats(splats);
+        // Splats lie up to 2 m behind each other. One that flips at the 1/255 cut-off moves depth by its α times 2 m.
+        expectAgrees(vulkan, "general, SH " + std::to_string(degree), id, {}, camera, want, {.covered = 0.05, .maxDepthErrorM = 0.05});
+        if (id) vulkan.renderer->removeAvatar(*id);
     }
 }
 
 /** A person-sized set in front of a wall 800 m away: with 16-bit keys the whole person would have only a few keys. */
 TEST_P(VulkanImage, generalSplatsStaySortedInADeepScene) {
-    TestVulkan precise(withPreciseBlending(), GetParam());
-    DPL_NEED_VULKAN(precise);
+    TestVulkan vulkan(testVulkanOptions(), GetParam());
+    DPL_NEED_VULKAN(vulkan);
     StaticSplatData splats = randomStaticSplats(11, 1500, 0);
     for (uint32_t i = 0; i < 100; ++i) {
         splats.position.emplace_back(float(i % 10) * 60 - 300, float(i / 10) * 60 - 300, -800);
@@ -234,9 +200,9 @@ TEST_P(VulkanImage, generalSplatsStaySortedInADeepScene) {
         splats.sh.insert(splats.sh.end(), {0.3f * float(i % 3), 0.5f, -0.4f});
     }
     const Cameraf camera = tubeCamera(160, 160, 0, 2.2f);
-    auto id = precise.renderer->addSplats(splats);
+    auto id = vulkan.renderer->addSplats(splats);
     ASSERT_TRUE(id) << id.error().message;
-    const Difference d = compare(drawOne(*precise.renderer, *id, {}, camera), renderReference(splats, referenceCamera(camera)));
+    const Difference d = compare(drawOne(*vulkan.renderer, *id, {}, camera), renderReference(splats, referenceCamera(camera)));
     std::printf("[  IMAGE   ] deep scene: colour %.1f dB (max %.4f)\n", d.psnrDb, d.maxError);
     EXPECT_GT(d.covered, 0.5);
     EXPECT_GE(d.psnrDb, kMinPsnrDb);
@@ -244,18 +210,17 @@ TEST_P(VulkanImage, generalSplatsStaySortedInADeepScene) {
 
 /** Opacity that is summed up in 16-bit floats stops two codes below 255 here. Over a bright room that is ten codes of a dark colour. */
 TEST_P(VulkanImage, manyFaintLayersAreOpaqueTogether) {
-    TestVulkan precise(withPreciseBlendingOfAnyWidth(), GetParam());
-    DPL_NEED_VULKAN(precise);
-    if (!precise.options.preciseBlending) GTEST_SKIP() << "8-bit blending loses such layers";
+    TestVulkan vulkan(testVulkanOptions(), GetParam());
+    DPL_NEED_VULKAN(vulkan);
     StaticSplatData splats;
     for (uint32_t i = 0; i < 400; ++i) {
         splats.position.emplace_back(0, 0, 0.0005f * float(i)), splats.rotation.emplace_back(1, 0, 0, 0);
         splats.scaleM.emplace_back(1.5f), splats.opacity.push_back(0.02f), splats.sh.insert(splats.sh.end(), {1.0f, -1.7f, -1.7f});
     }
     const Cameraf camera = tubeCamera(48, 48, 0, 2.2f);
-    auto id = precise.renderer->addSplats(splats);
+    auto id = vulkan.renderer->addSplats(splats);
     ASSERT_TRUE(id) << id.error().message;
-    const RenderedView image = drawOne(*precise.renderer, *id, {}, camera);
+    const RenderedView image = drawOne(*vulkan.renderer, *id, {}, camera);
     const ReferenceImage want = renderReference(splats, referenceCamera(camera));
     for (const uint32_t pixel : {24u * 48 + 24, 20u * 48 + 24, 24u * 48 + 30}) {
         EXPECT_GT(want.alpha[pixel], 0.999);
@@ -353,7 +318,7 @@ TEST_P(VulkanImage, drawsNothingForAnEmptyAvatarAndOneSplatForOne) {
 }
 
 TEST_P(VulkanImage, onePixelTargetAndBehindTheCamera) {
-    TestVulkan vulkan(withPreciseBlending(), GetParam());
+    TestVulkan vulkan(testVulkanOptions(), GetParam());
     DPL_NEED_VULKAN(vulkan);
     const auto avatar = share(makeTube());
     auto id = vulkan.renderer->addAvatar(avatar);
@@ -403,7 +368,7 @@ Fill fillAt(Fill fill, float kappaPx2) {
 }
 
 TEST_P(VulkanImage, splatsSmallerThanAPixelAreDrawnWithoutALowPassToo) {
-    TestVulkan vulkan(withPreciseBlending(), GetParam());
+    TestVulkan vulkan(testVulkanOptions(), GetParam());
     DPL_NEED_VULKAN(vulkan);
     for (const float kappaPx2 : kWeakLowPassesPx2) {
         StaticSplatData splats = randomStaticSplats(7, 3000, 0, 0.004f);
@@ -424,7 +389,7 @@ TEST_P(VulkanImage, splatsSmallerThanAPixelAreDrawnWithoutALowPassToo) {
 
 /** A splat without size except its low-pass, at every eighth of a pixel along the height of two tiles. */
 TEST_P(VulkanImage, oneTinySplatIsRightWhereverItLiesInItsTile) {
-    TestVulkan vulkan(withPreciseBlending(), GetParam());
+    TestVulkan vulkan(testVulkanOptions(), GetParam());
     DPL_NEED_VULKAN(vulkan);
     for (const float kappaPx2 : {kTileMinKappaPx2, 1 / 12.0f}) {
         StaticSplatData splats = randomStaticSplats(1, 1, 0);
@@ -448,7 +413,7 @@ TEST_P(VulkanImage, oneTinySplatIsRightWhereverItLiesInItsTile) {
 
 /** With four samples a pixel, each sample has a quarter of the low-pass. */
 TEST_P(VulkanImage, splatsSmallerThanASampleAreDrawnToo) {
-    TestVulkan vulkan(withPreciseBlending(), GetParam());
+    TestVulkan vulkan(testVulkanOptions(), GetParam());
     DPL_NEED_FOUR_SAMPLES(vulkan);
     for (const float kappaPx2 : kWeakLowPassesPx2) {
         AvatarData data = makeTube({.shDegree = 0, .singleFace = false});

@@ -20,7 +20,7 @@ using Pairs = std::vector<gpu::SortPair>;
 /** rounds: 2, 3 or 4 digits of the key. */
 std::vector<uint32_t> sortOnDevice(Backend& backend, const Pairs& input, uint32_t rounds) {
     FrameIds ids;
-    ids.wide = rounds == gpu::kWideSortRounds, ids.floatKeys = rounds == gpu::kFloatSortRounds;
+    ids.wide = rounds == gpu::kWideSortRounds;
     EXPECT_EQ(ids.sortRounds(), rounds);
     ids.allSplats = uint32_t(std::max<size_t>(input.size(), 1));
     const auto make = [&](const char* label, uint64_t bytes, BufferMemory memory = BufferMemory::Device) {
@@ -57,17 +57,15 @@ std::vector<uint32_t> sortOnDevice(Backend& backend, const Pairs& input, uint32_
 
 TEST(VulkanSort, equalsStableSort) {
     const VulkanTestOptions options = testVulkanOptions();
-    auto backend = createVulkanBackend(options);
+    auto backend = createTestBackend(options);
     if (!backend) GTEST_SKIP() << backend.error().message;
     const char* width = std::getenv("LP_NATIVE_VECTOR_WIDTH");
     std::printf("[  DEVICE  ] %s, LP_NATIVE_VECTOR_WIDTH=%s\n", (*backend)->info().name.c_str(), width ? width : "default");
     std::mt19937 random(11);
     for (size_t count : {size_t(0), size_t(1), size_t(2), size_t(127), size_t(gpu::kRun - 1), size_t(gpu::kRun), size_t(gpu::kRun + 1),
                          size_t(30011), size_t(100000)}) {
-        for (uint32_t rounds : {gpu::kSortRounds, gpu::kWideSortRounds, gpu::kFloatSortRounds}) {
-            for (uint32_t keys :
-                 {1u, 7u,
-                  rounds == gpu::kFloatSortRounds ? ~0u : 1u << rounds * gpu::kSortDigitBits}) {  // all keys equal, many ties, few ties
+        for (uint32_t rounds : {gpu::kSortRounds, gpu::kWideSortRounds}) {
+            for (uint32_t keys : {1u, 7u, 1u << rounds * gpu::kSortDigitBits}) {  // all keys equal, many ties, few ties
                 Pairs input(count);
                 for (size_t i = 0; i < count; ++i) input[i] = {uint32_t(random() % keys), uint32_t(i)};
                 Pairs want = input;

@@ -46,7 +46,7 @@ RenderedView drawSet(Renderer& r, std::span<const Drawn> what, std::span<const C
 }
 
 TEST_P(VulkanImage, avatarsThatPierceEachOtherAreSortedTogether) {
-    TestVulkan vulkan(withPreciseBlending(), GetParam());
+    TestVulkan vulkan(testVulkanOptions(), GetParam());
     DPL_NEED_VULKAN(vulkan);
     const Crowd crowd;
     const auto a = vulkan.renderer->addAvatar(crowd.upright), b = vulkan.renderer->addAvatar(crowd.lying),
@@ -87,7 +87,7 @@ TEST_P(VulkanImage, avatarsThatPierceEachOtherAreSortedTogether) {
 }
 
 TEST_P(VulkanImage, depthKeysSpendNothingOnTheGapBetweenAvatars) {
-    TestVulkan vulkan(withPreciseBlending(), GetParam());
+    TestVulkan vulkan(testVulkanOptions(), GetParam());
     DPL_NEED_VULKAN(vulkan);
     const auto avatar = share(makeTube());
     const auto near = vulkan.renderer->addAvatar(avatar), far = vulkan.renderer->addAvatar(avatar),

@@ -21,9 +21,7 @@ PlainFile& PlainFile::operator=(PlainFile&&) noexcept = default;
 PlainFile::~PlainFile() = default;
 
 Result<PlainFile> PlainFile::open(std::span<const uint8_t> bytes, PlainFill fill) {
-    VulkanTestOptions options;
-    options.allowSoftwareDevice = true;
-    auto backend = plain::createBackend(options);
+    auto backend = plain::createBackend({.allowSoftware = true});
     if (!backend) return fail(Code::Unsupported, "no Vulkan on this machine: {}", backend.error().message);
     std::string name = "vulkan: " + (*backend)->info().name + (fill == PlainFill::Quads ? " (plain float)" : " (plain float, tiles)");
     auto state = std::make_unique<State>(std::move(*backend), fill);

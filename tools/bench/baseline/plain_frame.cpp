@@ -19,10 +19,9 @@ uint32_t blocksOf(uint32_t count, uint32_t block) {
 
 }  // namespace
 
-Result<std::unique_ptr<Backend>> createBackend(VulkanTestOptions options) {
-    options.shaderPack = shaderPack();
-    options.shaderInterface = shaderInterface();
-    return createVulkanBackend(options);
+Result<std::unique_ptr<Backend>> createBackend(const vk::DeviceRequest& request) {
+    DPL_TRY(ShaderPack pack, readShaderPack(shaderPack(), "the pack of frozen shaders", shaderInterface()));
+    return vk::createBackend(request, std::move(pack));
 }
 
 Frame::~Frame() {
@@ -125,16 +124,13 @@ void addSort(FramePlan& plan, BufferId counts, BufferId histogram, BufferId pair
 Status Frame::addQuads(FramePlan& plan, Eye& eye, uint32_t widthPx, uint32_t heightPx) {
     const Buffers& b = buffers_;
     const bool layered = backend_->info().multiview;
-    DPL_TRY(
-        eye.target,
-        backend_->createTarget(
-            {.widthPx = widthPx, .heightPx = heightPx, .views = 1, .depth = false, .multiview = layered, .colour = ColourFormat::Halves}));
+    DPL_TRY(eye.target,
+            backend_->createTarget({.widthPx = widthPx, .heightPx = heightPx, .views = 1, .depth = false, .multiview = layered}));
     const DrawPipelineDesc pipeline{.vertex = layered ? "draw.vert.multiview" : "draw.vert.instances",
                                     .fragment = "draw.frag",
                                     .views = 1,
                                     .multiview = layered,
-                                    .depth = false,
-                                    .colour = ColourFormat::Halves};
+                                    .depth = false};
     plan.draw("draw.splats", pipeline, eye.target, 0)
         .reads(b.counts, b.pairs, b.projected)
         .push(DrawPush{float(widthPx), float(heightPx), 1, 1})

@@ -6,7 +6,7 @@
 #include <memory>
 
 #include "sdk/avatar/rig.h"
-#include "sdk/backend/vulkan/vulkan_test_options.h"
+#include "sdk/backend/vulkan/vk_open.h"
 #include "sdk/format/avatar_data.h"
 #include "sdk/math/camera.h"
 #include "tools/bench/baseline/plain_file.h"
@@ -16,7 +16,7 @@
 namespace dpl::plain {
 
 /** A Vulkan backend with the frozen shaders instead of the SDK's. */
-Result<std::unique_ptr<Backend>> createBackend(VulkanTestOptions options);
+Result<std::unique_ptr<Backend>> createBackend(const vk::DeviceRequest& request);
 
 /** The embedded pack of frozen shaders, and the interface number that it was built with. */
 std::span<const uint8_t> shaderPack();

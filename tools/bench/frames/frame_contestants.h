@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Contestants that users cannot choose: the current GPU frame with an optimisation switched off by internal options of the SDK's renderer,
-// and the frozen plain frame (tools/bench/baseline).
+// Contestants that users cannot choose: the frozen plain frame (tools/bench/baseline).
 #pragma once
 
 #include "apps/bench/contestants.h"
@@ -10,10 +9,8 @@ namespace dpl {
 /** Values of --renderers: those of `doppel bench` except "vulkan", and those of frameContestant below. */
 const std::vector<std::string>& frameRenderers();
 
-/** vulkan-plain-float, vulkan-plain-tiles: the frozen frame, filled by quads or by tiles.
- *  vulkan-without-culling, vulkan-float-keys, vulkan-two-frames: the current frame by quads with one optimisation off.
- *  vulkan-tiles-all-off: the current frame by tiles with all three off. Any other name goes to sdkContestant. Returns Unsupported if the
- *  machine cannot run it, and for vulkan-two-frames with one view. */
+/** vulkan-plain-float, vulkan-plain-tiles: the frozen frame, filled by quads or by tiles. Any other name goes to sdkContestant. Returns
+ *  Unsupported if the machine cannot run it. */
 Result<Contestant> frameContestant(const std::string& renderer, const BenchOptions& options, const BenchSubject& subject,
                                    std::span<const Cameraf> views);
 

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// bench_frames: measures how much each optimisation of the GPU frame gains. Compares the renderers of `doppel bench` with the current frame
-// with optimisations switched off, and with the frozen plain frame.
+// bench_frames: compares the renderers of `doppel bench` with the frozen plain frame, before any optimisation.
 #include <cstdio>
 
 #include "apps/bench/bench.h"
@@ -26,9 +25,7 @@ public:
     std::string text() const override {
         std::string out =
             "\nPlain float: the frozen frame of tools/bench/baseline, before any optimisation, always one sample a pixel. It draws only\n"
-            "splats that face the view and reach 1/255. No culling, all switches off: today's frame sorts and draws every splat, also "
-            "those\n"
-            "that add nothing, so it works harder than the plain frame; compare the splats drawn.\n"
+            "splats that face the view and reach 1/255.\n"
             "Worth: the ratio of each round, median and quartiles.\n" +
             worth_.text();
         if (model_.empty()) return out;
@@ -53,7 +50,7 @@ private:
 
 int main(int argc, char** argv) {
     using namespace dpl;
-    CLI::App app{"What each optimisation of the GPU frame is worth.", "bench_frames"};
+    CLI::App app{"What the optimisations of the GPU frame are worth.", "bench_frames"};
     BenchOptions options;
     options.renderers = frameRenderers();
     addBenchOptions(app, options, frameRenderers());

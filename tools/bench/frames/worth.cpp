@@ -32,9 +32,6 @@ bool beforePixels(std::string_view label) {
 bool projection(std::string_view label) {
     return label.starts_with("chunks") || label.starts_with("splat.");
 }
-bool sorting(std::string_view label) {
-    return label.starts_with("sort.");
-}
 
 double frameMs(const Contestant& c) {
     return percentile(c.milliseconds, 0.5);
@@ -45,17 +42,11 @@ const Contestant* findOption(const std::vector<Contestant>& list, std::string_vi
     return found == list.end() ? nullptr : &*found;
 }
 
-/** The same renderer and fill with nothing switched off. */
-const Contestant* wholeOf(const std::vector<Contestant>& list, const Contestant& off) {
-    const auto found = std::find_if(list.begin(), list.end(), [&](const Contestant& c) { return c.whole.empty() && c.name == off.whole; });
-    return found == list.end() ? nullptr : &*found;
-}
-
 /** The fastest of today's ways to fill pixels on the GPU. */
 const Contestant* fastestFill(const std::vector<Contestant>& list) {
     const Contestant* best = nullptr;
     for (const Contestant& c : list)
-        if (!c.frozen && c.whole.empty() && c.option != "software" && (!best || frameMs(c) < frameMs(*best))) best = &c;
+        if (!c.frozen && c.option != "software" && (!best || frameMs(c) < frameMs(*best))) best = &c;
     return best;
 }
 
@@ -105,7 +96,6 @@ std::string jsonOf(const BenchCase& test, const Contestant& off, const Contestan
     addRatios(row, "frame", off.milliseconds, on.milliseconds);
     addRatios(row, "before_pixels", passMs(off, beforePixels), passMs(on, beforePixels));
     addRatios(row, "projection", passMs(off, projection), passMs(on, projection));
-    addRatios(row, "sort", passMs(off, sorting), passMs(on, sorting));
     return row.line();
 }
 
@@ -120,30 +110,16 @@ void BenchWorth::add(const BenchCase& test, const std::vector<Contestant>& list)
         frames += frameWorth(test, what, *off, *on, compared);
         json += jsonOf(test, *off, *on);
     };
-    for (const Contestant& off : list)
-        if (!off.whole.empty()) frame(off.name + " → all on", &off, wholeOf(list, off));
-    frame("plain float quads → quads, all on", plain, quads);
-    frame("plain float tiles → tiles, all on", plainTiles, tiles);
+    frame("plain float quads → quads", plain, quads);
+    frame("plain float tiles → tiles", plainTiles, tiles);
     if (best && best != quads) frame("plain float quads → the faster fill, " + best->option, plain, best);
     frame("plain float quads → software", plain, software);
 
     if (!quads || quads->passes.empty()) return;
-    const Contestant *unculled = findOption(list, "vulkan-without-culling"), *floatKeys = findOption(list, "vulkan-float-keys"),
-                     *apart = findOption(list, "vulkan-two-frames");
-    if (unculled) passes += passWorth(test, "hierarchical culling", "whole frame", unculled->milliseconds, quads->milliseconds);
     const bool coded = quads->stats.splatsInView > 0;  // the current frame reads general splats as float records, too
     if (plain && coded)
-        passes += passWorth(test, "codes decoded on demand, culled", "chunks, projection and colour; off: plain float",
-                            passMs(*plain, projection), passMs(*quads, projection));
-    if (plain && coded && unculled)
-        passes += passWorth(test, "codes decoded on demand, nothing culled", "chunks, projection and colour; off: plain float",
-                            passMs(*plain, projection), passMs(*unculled, projection));
-    if (floatKeys) passes += passWorth(test, "quantised depth keys", "sort", passMs(*floatKeys, sorting), passMs(*quads, sorting));
-    if (apart) {
-        passes += passWorth(test, "one frame for both eyes", "before pixels are filled", passMs(*apart, beforePixels),
-                            passMs(*quads, beforePixels));
-        passes += passWorth(test, "one frame for both eyes", "whole frame", apart->milliseconds, quads->milliseconds);
-    }
+        passes += passWorth(test, "codes decoded on demand", "chunks, projection and colour; off: plain float", passMs(*plain, projection),
+                            passMs(*quads, projection));
 }
 
 std::string BenchWorth::text() const {

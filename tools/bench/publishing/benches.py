@@ -430,7 +430,7 @@ BENCHES = [
           DOPPEL, procedural(1, "quality-procedural-1-makehuman", makehuman)),
     Bench("speed-error", "quick", 0.5, "frames of what users can choose, against the double-precision referee",
           "doppel bench demo/avatar/avatar.glb --repeats 9", DOPPEL, take_speed_error),
-    Bench("baselines", "quick", 2, "frames with one optimisation switched off, and the frozen plain frame",
+    Bench("baselines", "quick", 2, "today's frames beside the frozen plain frame",
           "build/release/tools/bench/frames/bench_frames demo/avatar/avatar.glb --repeats 9", ("bench_frames",), take_baselines),
     Bench("baselines-large", "quick", 4, "the same with 533,695 splats, without the referee",
           "build/release/tools/bench/frames/bench_frames big.glb --no-reference --repeats 9", ("bench_frames", "bench_load"), take_baselines_large),
