@@ -23,13 +23,9 @@ Status dress(const DressOptions& options) {
     Jobs jobs(options.threadCount);
     Progress progress;
     progress.beginStage("dress");
-    DPL_TRY(const DressedFile result, dressFiles(
-                                          options.avatar, garments,
-                                          [&](double share, const std::string& doing) {
-                                              progress.update(share, doing);
-                                              return !progress.cancelled();
-                                          },
-                                          jobs));
+    ShownTask task(progress);
+    const TaskScope scope(&task);
+    DPL_TRY(const DressedFile result, dressFiles(options.avatar, garments, jobs));
     DPL_RETURN_IF_ERROR(writeFileAtomically(options.out, result.bytes));
     progress.endStage(formatText("{} bytes", result.bytes.size()));
     for (const DressedLayer& layer : result.dressed.layers) {

@@ -31,6 +31,19 @@ nlohmann::json pointJson(const PackPoint& p) {
             {"modes", p.modes}};
 }
 
+/** --verbose also lists what was tried. */
+class PackTask : public ShownTask {
+public:
+    explicit PackTask(Progress& progress) : ShownTask(progress), progress_(progress) {}
+    void hear(double share, std::string_view doing) override {
+        ShownTask::hear(share, doing);
+        progress_.detail(doing);
+    }
+
+private:
+    Progress& progress_;
+};
+
 Result<PackResult> pack(const PackOptions& options, const Talk& talk) {
     PackLimits limits;
     if (options.maxMb > 0) limits.maxBytes = uint64_t(options.maxMb * 1e6);
@@ -41,13 +54,9 @@ Result<PackResult> pack(const PackOptions& options, const Talk& talk) {
     Jobs jobs(options.threadCount);
     Progress progress(talk.style());
     progress.beginStage("pack");
-    DPL_TRY(PackResult packed, packFile(options.avatar, limits, {.seed = options.seed, .pictures = options.pictures}, jobs,
-                                        [&](double share, const std::string& line) -> Status {
-                                            progress.update(share, line);
-                                            progress.detail(line);
-                                            return progress.cancelled() ? Status(fail(Code::Cancelled, "stopped; nothing was written"))
-                                                                        : Status();
-                                        }));
+    PackTask task(progress);
+    const TaskScope scope(&task);
+    DPL_TRY(PackResult packed, packFile(options.avatar, limits, {.seed = options.seed, .pictures = options.pictures}, jobs));
     DPL_RETURN_IF_ERROR(writeFileAtomically(options.out, packed.file));
     progress.endStage(formatText("{} bytes", packed.file.size()));
     return packed;

@@ -40,10 +40,9 @@ void addSampleCommand(CLI::App& app, CommandRun& run) {
             scan.skirt = options->skirt;
             if (const auto size = parsePictureSize(options->size)) scan.widthPx = size->widthPx, scan.heightPx = size->heightPx;
             progress.beginStage("sample");
-            Status made = makeSampleScan(options->out, scan, jobs, [&](double share, const std::string& what) {
-                progress.update(share, what);
-                return !progress.cancelled();
-            });
+            ShownTask task(progress);
+            const TaskScope scope(&task);
+            const Status made = makeSampleScan(options->out, scan, jobs);
             if (!made) return reportError(made.error());
             progress.endStage(
                 formatText("{} frames in {}", scan.fullFrames + scan.closeupFrames + scan.dynamicFrames, options->out.string()));

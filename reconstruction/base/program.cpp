@@ -17,6 +17,8 @@
 #include <thread>
 #include <utility>
 
+#include "sdk/core/task.h"
+
 extern char** environ;
 
 namespace dpl {
@@ -163,7 +165,7 @@ Status runProgram(const ProgramRun& run) {
 
     const std::string whereOutput = run.log.empty() ? "" : "; all of its output: " + run.log.string();
     LineSplitter lines(run.line);
-    const auto cancelled = [&] { return run.cancel && run.cancel->load(); };
+    const auto cancelled = [&] { return (run.cancel && run.cancel->load()) || !taskAt(0); };
     const auto started = Clock::now();
     const auto late = [&] { return run.timeoutS > 0 && std::chrono::duration<double>(Clock::now() - started).count() > run.timeoutS; };
     const auto stop = [&]() -> Status {

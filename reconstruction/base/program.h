@@ -27,8 +27,8 @@ struct ProgramRun {
     int input = -1;  // descriptor that becomes its standard input; stays the caller's; −1: it reads nothing
 };
 
-/** Runs a program to its end. It has its own process group, so Ctrl-C reaches it only through
- *  `cancel`, within half a second. NotFound: there is no such program. Cancelled: `cancel` turned true. Io: the program failed or
+/** Runs a program to its end. It has its own process group, so Ctrl-C reaches it only through the task of this thread or `cancel`, within
+ *  half a second. NotFound: there is no such program. Cancelled: one of these two. Io: the program failed or
  *  ran longer than `timeoutS`; the message has its name, how it ended, its last line of output and the log, if there is one. Call from any
  * thread. */
 Status runProgram(const ProgramRun& run);

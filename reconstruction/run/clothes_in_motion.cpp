@@ -38,13 +38,9 @@ Result<std::string> clothesInMotion(const std::filesystem::path& path, const std
     for (size_t i = 0; i < count; ++i) poses.push_back(samplePose(*clip, avatar.joints, timeOf(i)));
     Jobs jobs(0);
     progress.beginStage("clothes in motion");
-    DPL_TRY(const ClothFaults faults, clothFaults(
-                                          avatar, poses,
-                                          [&](double share) {
-                                              progress.update(share, formatText("{} poses", count));
-                                              return !progress.cancelled();
-                                          },
-                                          jobs));
+    ShownTask task(progress);
+    const TaskScope scope(&task);
+    DPL_TRY(const ClothFaults faults, clothFaults(avatar, poses, jobs));
     progress.endStage(formatText("{} poses", count));
     if (json)
         return nlohmann::ordered_json{{"clip", clipPath.string()},

@@ -32,15 +32,14 @@ struct Mean {
 
 }  // namespace
 
-Status addDetailFigures(const Scan& scan, Progress& progress, AvatarView& view, const FrameSet& heldOut, const PosesFile& poses,
-                        ReportData& data) {
+Status addDetailFigures(const Scan& scan, AvatarView& view, const FrameSet& heldOut, const PosesFile& poses, ReportData& data) {
     for (const FrameKind kind : {FrameKind::StaticFull, FrameKind::Dynamic}) {  // close-ups count as static
         Mean all;
         std::vector<Mean> ofLabel(scan.labels.size());
         for (size_t i = 0; i < heldOut.frames.size(); ++i) {
             const TrainFrame& frame = heldOut.frames[i];
             if ((frame.kind == FrameKind::Dynamic) != (kind == FrameKind::Dynamic)) continue;
-            if (progress.cancelled()) return fail(Code::Cancelled, "stopped");
+            DPL_RETURN_IF_ERROR(taskAt(double(i) / double(heldOut.frames.size()), frame.name));
             const auto truth = fineTruth(scan.root, frame);
             if (!truth) continue;
             const Camerad camera = frame.camera.scaled(kTimes);

@@ -13,7 +13,6 @@ namespace dpl {
 /** Adds to `data` the correlation of fine detail (report/detail.h) of held-out frames drawn at twice the size, in the poses after the pose
  *  fit, with the scan's finest pictures of them: of the whole subject and of each label. Adds nothing when the scan has no finer pictures.
  */
-Status addDetailFigures(const Scan& scan, Progress& progress, AvatarView& view, const FrameSet& heldOut, const PosesFile& poses,
-                        ReportData& data);
+Status addDetailFigures(const Scan& scan, AvatarView& view, const FrameSet& heldOut, const PosesFile& poses, ReportData& data);
 
 }  // namespace dpl

@@ -15,12 +15,11 @@ namespace dpl {
 namespace {
 
 /** The scores of the held-out frames by the protocol that the scan states, as a line. Poses are those fitted to the frames. */
-Result<std::string> publishedLine(const Scan& scan, const FrameSet& heldOut, AvatarView& view, const PosesFile& poses, const Lpips* lpips,
-                                  const std::function<bool(double, const std::string&)>& tell) {
+Result<std::string> publishedLine(const Scan& scan, const FrameSet& heldOut, AvatarView& view, const PosesFile& poses, const Lpips* lpips) {
     std::vector<PublishedScore> scores;
     for (size_t i = 0; i < heldOut.frames.size(); ++i) {
         const TrainFrame& frame = heldOut.frames[i];
-        if (!tell(double(i) / double(heldOut.frames.size()), frame.name + ", published protocol")) return fail(Code::Cancelled, "stopped");
+        DPL_RETURN_IF_ERROR(taskAt(double(i) / double(heldOut.frames.size()), frame.name + ", published protocol"));
         const FramePose& found = poses.frames[heldOut.rows[i]];
         DPL_TRY(const auto rgba, view.draw(found.bestPose(), frame.camera));
         DPL_TRY(const auto picture, frame.picture.get());
@@ -67,10 +66,8 @@ Result<std::string> evaluateAvatar(const EvaluateOptions& options, Progress& pro
     std::vector<Pose> registered;
     for (const FramePose& frame : poses.frames) registered.push_back(frame.pose);
     Jobs jobs(options.threadCount);
-    const auto tell = [&](double share, const std::string& what) {
-        progress.update(share, what);
-        return !progress.cancelled();
-    };
+    ShownTask task(progress);
+    const TaskScope scope(&task);
     ReportData data;
     data.title = "Doppel: " + table.scan.name;
     data.facts = {{"scan", table.scan.root.filename().string() + ", " + poses.scanHash}, {"avatar", options.avatar.string()}};
@@ -79,7 +76,7 @@ Result<std::string> evaluateAvatar(const EvaluateOptions& options, Progress& pro
     DPL_TRY(const LabelColours labelColours, gatherLabelColours(table));
     for (const auto& [split, frames] : {std::pair{Split::Test, &data.frames}, {Split::Validation, &data.validation}}) {
         const FrameSet set = table.frames(split, cameras, registered);
-        DPL_TRY(*frames, scoreFrames(labelColours, set, avatar, view, poses, split == Split::Test, jobs, tell));
+        DPL_TRY(*frames, scoreFrames(labelColours, set, avatar, view, poses, split == Split::Test, jobs));
     }
     if (data.frames.empty() && data.validation.empty())
         return fail(Code::NotFound, "{} has no mask of a held-out or validation frame, and scores are taken inside masks; add their masks",
@@ -87,12 +84,12 @@ Result<std::string> evaluateAvatar(const EvaluateOptions& options, Progress& pro
     std::string summary = scoreLines(data.frames, "held-out") + scoreLines(data.validation, "validation");
     if (!table.scan.protocol.empty()) {
         const FrameSet heldOut = table.frames(Split::Test, cameras, registered);
-        DPL_TRY(const std::string line, publishedLine(table.scan, heldOut, view, poses, lpips ? &*lpips : nullptr, tell));
+        DPL_TRY(const std::string line, publishedLine(table.scan, heldOut, view, poses, lpips ? &*lpips : nullptr));
         summary += line;
     }
     if (!summary.empty()) summary.erase(0, 1);
     if (options.ladder) {
-        DPL_TRY(data.ladder, measureLadder({table.scan, cameras, avatar, poses, tell}, jobs));
+        DPL_TRY(data.ladder, measureLadder({table.scan, cameras, avatar, poses}, jobs));
         if (!data.ladder)
             return fail(Code::NotFound, "{} has no truth (truth.json, geometry/), which the ladder needs; leave --ladder out",
                         options.scan.string());

@@ -19,14 +19,13 @@ Result<LabelColours> gatherLabelColours(const FrameTable& table) {
 }
 
 Result<std::vector<HeldOutFrame>> scoreFrames(const LabelColours& labelColours, const FrameSet& set, const AvatarData& avatar,
-                                              AvatarView& view, const PosesFile& poses, bool withPictures, Jobs& jobs,
-                                              const std::function<bool(double, const std::string&)>& progress) {
+                                              AvatarView& view, const PosesFile& poses, bool withPictures, Jobs& jobs) {
     const std::vector<RestTriangle<float>> bind = restTriangles(avatar.mesh);
     PosedMesh posed;
     std::vector<HeldOutFrame> scored;
     for (size_t i = 0; i < set.frames.size(); ++i) {
         const TrainFrame& frame = set.frames[i];
-        if (!progress(double(i) / double(set.frames.size()), frame.name)) return fail(Code::Cancelled, "stopped");
+        DPL_RETURN_IF_ERROR(taskAt(double(i) / double(set.frames.size()), frame.name));
         DPL_TRY(const auto picture, frame.picture.get());
         const ImageRgb8& image = picture->image;
         const ImageGrey8 &mask = picture->mask, &labels = picture->labels;

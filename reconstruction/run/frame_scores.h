@@ -2,7 +2,6 @@
 // Scores of a finished avatar on the frames of one split, for the report and `doppel evaluate`.
 #pragma once
 
-#include <functional>
 #include <vector>
 
 #include "reconstruction/judging/report/draw_view.h"
@@ -17,10 +16,9 @@ namespace dpl {
 Result<LabelColours> gatherLabelColours(const FrameTable& table);
 
 /** Draws each frame of `set` in the poses found for it, and scores both pictures and both floors. poses: one a frame of the scan.
- *  withPictures: keep truth, render and difference for the page. progress: share done and a frame's name; false cancels. */
+ *  withPictures: keep truth, render and difference for the page. Errors: a picture cannot be read; Cancelled. */
 Result<std::vector<HeldOutFrame>> scoreFrames(const LabelColours& labelColours, const FrameSet& set, const AvatarData& avatar,
-                                              AvatarView& view, const PosesFile& poses, bool withPictures, Jobs& jobs,
-                                              const std::function<bool(double, const std::string&)>& progress);
+                                              AvatarView& view, const PosesFile& poses, bool withPictures, Jobs& jobs);
 
 /** One line a kind of frame: scores with and without pose fit. `what`: "held-out", "validation". */
 std::string scoreLines(const std::vector<HeldOutFrame>& frames, const char* what);

@@ -7,6 +7,8 @@
 #include <string>
 #include <string_view>
 
+#include "sdk/core/task.h"
+
 namespace dpl {
 
 /** Writes to stderr: on a terminal a bar that is rewritten in place, otherwise a line every ten seconds; nothing when quiet. */
@@ -37,6 +39,17 @@ private:
     bool lineOpen_ = false;
     std::string stage_;
     Clock::time_point stageStart_{}, lastDrawn_{};
+};
+
+/** Work that a Progress shows and the first signal cancels. */
+class ShownTask : public Task {
+public:
+    explicit ShownTask(Progress& progress) : progress_(progress) {}
+    bool cancelled() const override { return Task::cancelled() || Progress::cancelled(); }
+    void hear(double share, std::string_view doing) override { progress_.update(share, doing); }
+
+private:
+    Progress& progress_;
 };
 
 /** The first SIGINT, SIGTERM or SIGHUP asks every stage to stop at its next checkpoint; the second ends the process at once. A SIGHUP that

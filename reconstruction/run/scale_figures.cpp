@@ -19,8 +19,8 @@ struct Sums {
 
 }  // namespace
 
-Status addScaleFigures(const std::filesystem::path& scan, Progress& progress, AvatarView& view, const FrameSet& heldOut,
-                       const PosesFile& poses, ReportData& data) {
+Status addScaleFigures(const std::filesystem::path& scan, AvatarView& view, const FrameSet& heldOut, const PosesFile& poses,
+                       ReportData& data) {
     for (const FrameKind kind : {FrameKind::StaticFull, FrameKind::Dynamic}) {  // close-ups count as static
         const auto isOfKind = [&](const TrainFrame& f) { return (f.kind == FrameKind::Dynamic) == (kind == FrameKind::Dynamic); };
         bool fine = false;
@@ -28,7 +28,7 @@ Status addScaleFigures(const std::filesystem::path& scan, Progress& progress, Av
         for (size_t i = 0; i < heldOut.frames.size(); ++i) {
             const TrainFrame& frame = heldOut.frames[i];
             if (!isOfKind(frame)) continue;
-            if (progress.cancelled()) return fail(Code::Cancelled, "stopped");
+            DPL_RETURN_IF_ERROR(taskAt(double(i) / double(heldOut.frames.size()), frame.name));
             auto truth = fineTruth(scan, frame);
             if (truth && !fine) {  // once one frame has a finer truth, only such frames are scored
                 fine = true;

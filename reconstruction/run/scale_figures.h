@@ -15,7 +15,7 @@ namespace dpl {
  *  different comparison sizes are not comparable.
  *  The truth of a frame is its finest picture in the scan (hires/ of docs/formats/scan.md, read for this only), whose mask holds the
  *  partial coverage of outline pixels. If no frame has such a picture, the truth is the frame with its mask. */
-Status addScaleFigures(const std::filesystem::path& scan, Progress& progress, AvatarView& view, const FrameSet& heldOut,
-                       const PosesFile& poses, ReportData& data);
+Status addScaleFigures(const std::filesystem::path& scan, AvatarView& view, const FrameSet& heldOut, const PosesFile& poses,
+                       ReportData& data);
 
 }  // namespace dpl

@@ -170,6 +170,8 @@ Result<StageOutput> StageChain::run(const std::string& name, uint32_t version, c
     resetPeakMemory();
     const auto start = std::chrono::steady_clock::now();
     StageContext context{workFolder, progress_};
+    ShownTask task(progress_);
+    const TaskScope scope(&task);
     if (Status done = work(context); !done) return fail(done.error().code, "{}: {}", name, done.error().message);
     const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     const uint64_t peakBytes = peakMemoryBytes();

@@ -39,7 +39,7 @@ struct StageOutput {
     std::string key;
 };
 
-/** The arguments of a running stage. */
+/** The arguments of a running stage. Its work is the task of its thread: taskAt() shows how far it is, and says when it is cancelled. */
 struct StageContext {
     std::filesystem::path folder;  // for its files; also holds checkpoints of an interrupted run with the same key
     Progress& progress;

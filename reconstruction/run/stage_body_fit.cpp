@@ -66,10 +66,6 @@ Status StageOf<FittedBody>::make(StageInputs& in, StageContext& context) {
     DPL_TRY(const ChosenBody* chosen, in.of<ChosenBody>());
     const Scan& scan = table->scan;
     BodyFitSettings settings;
-    settings.progress = [&](double fraction, std::string_view what) {
-        context.progress.update(fraction, what);
-        return !context.progress.cancelled();
-    };
     DPL_TRY(BodyFit fit, fitBody(chosen->body, scan, settings));
     if (const std::string swaps = describeSwaps(scan, fit.swapped); !swaps.empty()) context.progress.note(swaps);
     if (fit.metresPerUnit != 1)

@@ -56,11 +56,7 @@ Status StageOf<MappedBody>::make(StageInputs& in, StageContext& context) {
     }
     const std::vector<JointData>& joints = body->shaped.joints;
     const std::vector<BodyPlace> places = placesOf(joints, mesh);
-    const auto tell = [&](double share) {
-        context.progress.update(0.8 * share, formatText("{} still pictures", stills.size()));
-        return !context.progress.cancelled();
-    };
-    DPL_TRY(const std::vector<SeenTriangle> map, mapBody(mesh, joints, stills, tell, in.jobs()));
+    DPL_TRY(const std::vector<SeenTriangle> map, mapBody(mesh, joints, stills, in.jobs()));
     const FilmAgain advice = bestShots(mesh, joints, places, map, stills, in.jobs());
     const CaptureMapData capture = captureMapOf(mesh, joints.size(), map, advice.viewable);
     DPL_RETURN_IF_ERROR(checkCaptureMap(capture, joints.size()));

@@ -88,8 +88,6 @@ Status solve(const Scan& scan, double heightM, StageContext& context) {
     settings.widthPx = scan.frames[0].camera.widthPx, settings.heightPx = scan.frames[0].camera.heightPx;
     settings.focalGuessPx = scan.focalGuessPx;
     settings.load = [&](size_t f) { return loadPixels(scan.frames[f]); };
-    settings.progress = [&](double fraction, std::string_view what) { context.progress.update(fraction, what); };
-    settings.cancel = &context.progress.cancelFlag();
     DPL_TRY(SolvedCameras solved, solveCameras(pictures, settings));
 
     FoundCameras found;
@@ -145,11 +143,8 @@ Status StageOf<RepairedScan>::inputs(StageInputs& in) {
 
 Status StageOf<RepairedScan>::make(StageInputs& in, StageContext& context) {
     DPL_TRY(const SeenScan* seen, in.of<SeenScan>());
-    RepairSettings settings;
-    settings.progress = [&](double fraction, std::string_view what) { context.progress.update(fraction, what); };
-    settings.cancel = &context.progress.cancelFlag();
     Scan repaired = seen->scan;
-    DPL_TRY(const CameraRepair repair, repairCameras(repaired, settings, in.jobs()));
+    DPL_TRY(const CameraRepair repair, repairCameras(repaired, in.jobs()));
     FoundCameras found;
     found.metric = seen->scan.metricWorld;
     found.sentences = {repair.sentence};

@@ -47,7 +47,7 @@ Result<uint32_t> stepsInBudget(const CoOptimiseInput& input, const RunSettings& 
     if (const auto steps = probedSteps(context.folder)) return *steps;
     DPL_TRY(auto probe, CoOptimiser::create(input, slowestSteps(settings.training), jobs));
     const auto start = std::chrono::steady_clock::now();
-    DPL_RETURN_IF_ERROR(probe->run({}, &context.progress.cancelFlag(), kProbeSteps));
+    DPL_RETURN_IF_ERROR(probe->run(kProbeSteps));
     const double secondsPerStep = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count() / kProbeSteps;
     const uint32_t steps = uint32_t(std::clamp(settings.timeBudgetMinutes * 60 / secondsPerStep, 100.0, 1e6));
     DPL_RETURN_IF_ERROR(writeFileAtomically(context.folder / kStepsFile, std::to_string(steps)));
@@ -67,15 +67,9 @@ Status train(CoOptimiseInput input, const RunSettings& settings, Jobs& jobs, Sta
         else
             context.progress.note(formatText("starting over: {}", restored.error().message));
     }
-    const auto report = [&](const CoOptimiseProgress& p) {
-        char line[96];
-        std::snprintf(line, sizeof line, "step %u of %u, %u splats, scale %.2f, %.1f dB", p.step, p.steps, p.splats, double(p.scale),
-                      double(p.recent.psnr));
-        context.progress.update(double(p.step) / p.steps, line);
-    };
     auto saved = std::chrono::steady_clock::now();
     while (!optimiser->finished()) {
-        const Status ran = optimiser->run(report, &context.progress.cancelFlag(), 100);
+        const Status ran = optimiser->run(100);
         const bool due = std::chrono::duration<double>(std::chrono::steady_clock::now() - saved).count() > settings.checkpointS;
         if (due || !ran) {
             DPL_RETURN_IF_ERROR(optimiser->checkpoint(checkpoint));
@@ -123,7 +117,7 @@ Status StageOf<Training>::make(StageInputs& in, StageContext& context) {
     DPL_TRY(const GarmentLayers* layers, in.of<GarmentLayers>());
     context.progress.detail(
         formatText("pictures at the size of a training level are kept up to {} MiB", CoOptimiseInput().levelBoundBytes >> 20));
-    context.progress.update(0, "reading pictures");
+    DPL_RETURN_IF_ERROR(taskAt(0, "reading pictures"));
     DPL_TRY(FrameSet set, registeredFrames(in, Split::Train));
     if (set.frames.empty()) return fail(Code::InvalidArgument, "no usable training frames");
     DPL_TRY(CoOptimiseInput input, trainingInput(*body, *layers, std::move(set.frames)));

@@ -83,27 +83,26 @@ struct JuryScore {
 /** Trains avatars on and scores them on the jury's frames. */
 class Judge {
 public:
-    Judge(const AssembledAvatar& assembled, const Jury& jury, const RunSettings& settings, Jobs& jobs, StageContext& context)
-        : assembled_(assembled), jury_(jury), settings_(settings), jobs_(jobs), context_(context) {}
+    Judge(const AssembledAvatar& assembled, const Jury& jury, const RunSettings& settings, Jobs& jobs)
+        : assembled_(assembled), jury_(jury), settings_(settings), jobs_(jobs) {}
 
-    /** The scores of `avatar` after it was trained on. Progress runs from `from` to `to`. */
-    Result<JuryScore> score(AvatarData avatar, const RetrainParts& parts, double from, double to) const {
+    /** The scores of `avatar` after it was trained on. */
+    Result<JuryScore> score(AvatarData avatar, const RetrainParts& parts) const {
         const auto steps = uint32_t(std::max(20.0, priors::kRetrainShare * settings_.training.steps));
         const CoOptimiseSettings training = retrainSettings(settings_.training, parts, steps, avatar.splats.shDegree);
-        const auto report = [&](const CoOptimiseProgress& p) {
-            context_.progress.update(from + 0.5 * (to - from) * p.step / std::max(1u, p.steps),
-                                     formatText("training on, step {} of {}", p.step, p.steps));
-        };
-        DPL_TRY(avatar, retrain(std::move(avatar), assembled_.triangleLabel, assembled_.frames, training, jobs_, report,
-                                &context_.progress.cancelFlag()));
+        {
+            const TaskPart part(0, 0.5);
+            DPL_TRY(avatar, retrain(std::move(avatar), assembled_.triangleLabel, assembled_.frames, training, jobs_));
+        }
+        const TaskPart scoring(0.5, 1);
         DPL_TRY(const auto bytes, writeAvatar(avatar, {}));
         DPL_TRY(const AvatarData decoded, readAvatar(bytes));
         DPL_TRY(auto view, AvatarView::open(bytes, jobs_.threadCount()));
         JuryScore sum;
         Mean psnrDb, detail, closeDetail;
         for (size_t i = 0; i < jury_.frames.size(); ++i) {
-            if (context_.progress.cancelled()) return fail(Code::Cancelled, "stopped");
             const TrainFrame& frame = jury_.frames[i];
+            DPL_RETURN_IF_ERROR(taskAt(double(i) / double(jury_.frames.size()), frame.name));
             Pose pose = frame.pose;
             if (jury_.registered)
                 if (auto fitted = fitPose(decoded, frame, settings_.poseFit, jobs_)) pose = fitted->pose;
@@ -114,7 +113,6 @@ public:
             const bool closeup = frame.kind == FrameKind::StaticCloseup;
             if (!closeup) psnrDb.add(scorePicture(picture, truth, width, height).maskedPsnrDb);
             if (const auto d = detailCorrelation(picture, truth, width, height)) (closeup ? closeDetail : detail).add(*d);
-            context_.progress.update(from + (to - from) * (0.5 + 0.5 * double(i + 1) / double(jury_.frames.size())), frame.name);
         }
         sum.maskedPsnrDb = psnrDb.value(), sum.detail = closeDetail.count > 0 ? closeDetail.value() : detail.value();
         DPL_TRY(sum.faults, motionFaults(decoded, view, jury_.frames, jobs_));
@@ -126,7 +124,6 @@ private:
     const Jury& jury_;
     const RunSettings& settings_;
     Jobs& jobs_;
-    StageContext& context_;
 };
 
 std::string decimals(double value, int digits) {
@@ -141,11 +138,16 @@ const char* whyNotTrained(AvatarPart part, const RunSettings& settings) {
     return "not trained: too few moving frames, or all in one pose";
 }
 
-Status weigh(const AssembledAvatar& assembled, const Jury& jury, const RunSettings& settings, Jobs& jobs, StageContext& context) {
-    const Judge judge(assembled, jury, settings, jobs, context);
+Status weigh(const AssembledAvatar& assembled, const Jury& jury, const RunSettings& settings, Jobs& jobs,
+             const std::filesystem::path& folder) {
+    const Judge judge(assembled, jury, settings, jobs);
     const AvatarData& avatar = assembled.avatar;
     const RetrainParts trained{.correctiveLight = settings.training.rateNodeLight > 0};
-    DPL_TRY(const JuryScore whole, judge.score(avatar, trained, 0, 0.25));
+    const auto score = [&](AvatarData judged, const RetrainParts& parts, double from) {
+        const TaskPart part(from, from + 0.25);
+        return judge.score(std::move(judged), parts);
+    };
+    DPL_TRY(const JuryScore whole, score(avatar, trained, 0));
     DPL_TRY(const auto wholeFile, writeAvatar(avatar, kPackaged));
     const std::pair<AvatarPart, std::string> kParts[] = {
         {AvatarPart::CorrectiveOffsets, "pose-dependent offsets"},
@@ -164,7 +166,7 @@ Status weigh(const AssembledAvatar& assembled, const Jury& jury, const RunSettin
         RetrainParts parts = trained;
         if (part == AvatarPart::CorrectiveOffsets) parts.correctiveOffsets = false;
         if (part == AvatarPart::CorrectiveLight) parts.correctiveLight = false;
-        DPL_TRY(const JuryScore rest, judge.score(std::move(without), parts, from, from + 0.25));
+        DPL_TRY(const JuryScore rest, score(std::move(without), parts, from));
         const uint64_t bytes = wholeFile.size() - std::min(wholeFile.size(), file.size());
         const double gain = whole.maskedPsnrDb - rest.maskedPsnrDb,
                      price = priors::kWorthItDb + priors::kWorthAMegabyteDb * double(bytes) / 1e6;
@@ -180,7 +182,7 @@ Status weigh(const AssembledAvatar& assembled, const Jury& jury, const RunSettin
                          decimals(rest.detail, 3), decimals(whole.faults.flickerLevels, 2), decimals(rest.faults.flickerLevels, 2),
                          decimals(100 * whole.faults.penetration, 2), decimals(100 * rest.faults.penetration, 2))}});
     }
-    return writeEvidence(rows, context.folder / "evidence.json");
+    return writeEvidence(rows, folder / "evidence.json");
 }
 
 /** The files of validation frames, which this stage alone reads. Their keypoints reach it through the body fit. */
@@ -211,7 +213,7 @@ Status StageOf<MeasuredParts>::make(StageInputs& in, StageContext& context) {
     DPL_TRY(const SettingsAfterTraining* after, in.of<SettingsAfterTraining>());
     DPL_TRY(const AssembledAvatar* assembled, in.of<AssembledAvatar>());
     DPL_TRY(const Jury jury, chooseJury(in, *assembled));
-    return weigh(*assembled, jury, after->settings, in.jobs(), context);
+    return weigh(*assembled, jury, after->settings, in.jobs(), context.folder);
 }
 
 Result<MeasuredParts> StageOf<MeasuredParts>::read(StageInputs&, const std::filesystem::path& folder) {

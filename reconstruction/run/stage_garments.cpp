@@ -75,13 +75,9 @@ Status StageOf<GarmentLayers>::make(StageInputs& in, StageContext& context) {
         DPL_TRY(const auto picture, table->picture(row));
         moving.push_back({metric->cameras[row], picture->mask, picture->labels, body->poses[row]});
     }
-    const auto progress = [&](double fraction) {
-        context.progress.update(fraction, formatText("{} still pictures", views.size()));
-        return !context.progress.cancelled();
-    };
     const std::vector<ScanLabel> labels = wantedLabels(table->scan, *settings);
     const GarmentInput input{body->shaped.mesh, body->shaped.joints, surface->restOffsets, views, moving, labels};
-    DPL_TRY(const GarmentFit fit, makeClothedMesh(input, progress, in.jobs()));
+    DPL_TRY(const GarmentFit fit, makeClothedMesh(input, in.jobs()));
     json decisions = json::array();
     for (const GarmentDecision& d : fit.decisions)
         decisions.push_back(

@@ -48,10 +48,7 @@ Status StageOf<CheckedScan>::inputs(StageInputs& in) {
 Status StageOf<CheckedScan>::make(StageInputs& in, StageContext& context) {
     DPL_TRY(const CompleteScan* complete, in.of<CompleteScan>());
     const Scan& scan = complete->scan;
-    DPL_TRY(ScanCheck check, checkScan(scan, in.jobs(), [&](double share) {
-                context.progress.update(share, "reading the pictures");
-                return !context.progress.cancelled();
-            }));
+    DPL_TRY(ScanCheck check, checkScan(scan, in.jobs()));
     json usable = json::array();
     for (const FrameCheck& frame : check.frames) usable.push_back(frame.usable);
     DPL_RETURN_IF_ERROR(writeFileAtomically(context.folder / "check.json", scanCheckJson(scan, check)));

@@ -89,9 +89,6 @@ Status StageOf<Observations>::make(StageInputs& in, StageContext& context) {
     options.output = context.folder;
     DPL_TRY(options.persons, personPoints(request->options));
     options.note = [&](const std::string& text) { context.progress.note(text); };
-    options.progress = [&](size_t done, size_t count) {
-        context.progress.update(double(done) / double(count), formatText("frame {} of {}", done, count));
-    };
     return observeScan(read->scan, options, in.jobs());
 }
 

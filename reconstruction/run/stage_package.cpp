@@ -27,7 +27,6 @@ Status StageOf<Package>::inputs(StageInputs& in) {
 }
 
 Status StageOf<Package>::make(StageInputs& in, StageContext& context) {
-    context.progress.update(0, "encoding");
     DPL_TRY(const SettingsAfterTraining* after, in.of<SettingsAfterTraining>());
     DPL_TRY(const GarmentLayers* layers, in.of<GarmentLayers>());
     DPL_TRY(const MappedBody* mapped, in.of<MappedBody>());
@@ -39,12 +38,9 @@ Status StageOf<Package>::make(StageInputs& in, StageContext& context) {
     dropEmptyCorrectives(avatar);
     avatar.evidence = layers->decided;
     for (const PartEvidence& part : measured->parts) avatar.evidence.push_back(part.row);
-    const auto report = [&](const CoOptimiseProgress& p) {
-        context.progress.update(0.1 + 0.85 * p.step / std::max(1u, p.steps), formatText("polish step {} of {}", p.step, p.steps));
-    };
     const RunSettings& settings = after->settings;
     DPL_TRY(avatar, polish(std::move(avatar), assembled->triangleLabel, assembled->frames, settings.polishSteps, settings.training.seed,
-                           in.jobs(), report, &context.progress.cancelFlag()));
+                           in.jobs()));
     avatar.captureMap = mapped->capture;
     DPL_TRY(auto bytes, writeAvatar(avatar, kPackaged));
     return writeFileAtomically(context.folder / "avatar.glb", bytes);

@@ -66,13 +66,12 @@ Status StageOf<FoundPoses>::make(StageInputs& in, StageContext& context) {
         if (frame.split == Split::Train) {
             if (trained[row]) entry.pose = *trained[row];
         } else {
-            if (context.progress.cancelled()) return fail(Code::Cancelled, "stopped");
+            DPL_RETURN_IF_ERROR(taskAt(double(done++) / double(untrained), frame.name));
             entry.pose = registeredPose(scan, registered->poses.poses, trained, row);
             TrainFrame shown = table->frame(row, metric->cameras[row], entry.pose);
             shown.precision = registered->precisions[row];
             // A frame whose picture cannot be used keeps its registered pose.
             if (auto fitted = fitPose(avatar, shown, after->settings.poseFit, in.jobs())) entry.fittedPose = fitted->pose;
-            context.progress.update(double(++done) / double(untrained), frame.name);
         }
         poses.frames.push_back(std::move(entry));
     }

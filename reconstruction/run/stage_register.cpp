@@ -85,12 +85,7 @@ Status StageOf<RegisteredPoses>::make(StageInputs& in, StageContext& context) {
     input.pictureWeight = scan.keypointsFound ? priors::kFoundPictureWeight : 1;
     input.searchLimbs = scan.keypointsFound;
     input.stillPose = body->fit.staticPose;
-    RegisterSettings settings;
-    settings.progress = [&](double fraction, std::string_view what) {
-        context.progress.update(fraction, what);
-        return !context.progress.cancelled();
-    };
-    DPL_TRY(const Registration registration, registerFrames(input, settings, in.jobs()));
+    DPL_TRY(const Registration registration, registerFrames(input, {}, in.jobs()));
     PosesFile file;
     for (const JointData& joint : body->shaped.joints) file.jointNames.push_back(joint.name);
     for (size_t f = 0; f < scan.frames.size(); ++f) {

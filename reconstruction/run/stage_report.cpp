@@ -199,16 +199,12 @@ Status StageOf<ReportFiles>::make(StageInputs& in, StageContext& context) {
     DPL_TRY(data.portrait, drawPortrait(table->scan, metric->cameras, found->poses, avatar, view, in.jobs()));
     DPL_TRY(const LabelColours labelColours, gatherLabelColours(*table));
     const FrameSet heldOut = table->frames(Split::Test, metric->cameras, body->poses.poses);
-    const auto tell = [&context](double share, const std::string& what) {
-        context.progress.update(share, what);
-        return !context.progress.cancelled();
-    };
-    DPL_TRY(data.frames, scoreFrames(labelColours, heldOut, avatar, view, found->poses, true, in.jobs(), tell));
+    DPL_TRY(data.frames, scoreFrames(labelColours, heldOut, avatar, view, found->poses, true, in.jobs()));
     const FrameSet validation = table->frames(Split::Validation, metric->cameras, body->poses.poses);
-    DPL_TRY(data.validation, scoreFrames(labelColours, validation, avatar, view, found->poses, false, in.jobs(), tell));
-    DPL_TRY(data.ladder, measureLadder({table->scan, metric->cameras, avatar, found->poses, tell}, in.jobs()));
-    DPL_RETURN_IF_ERROR(addScaleFigures(table->scan.root, context.progress, view, heldOut, found->poses, data));
-    DPL_RETURN_IF_ERROR(addDetailFigures(table->scan, context.progress, view, heldOut, found->poses, data));
+    DPL_TRY(data.validation, scoreFrames(labelColours, validation, avatar, view, found->poses, false, in.jobs()));
+    DPL_TRY(data.ladder, measureLadder({table->scan, metric->cameras, avatar, found->poses}, in.jobs()));
+    DPL_RETURN_IF_ERROR(addScaleFigures(table->scan.root, view, heldOut, found->poses, data));
+    DPL_RETURN_IF_ERROR(addDetailFigures(table->scan, view, heldOut, found->poses, data));
     for (const StageRecord& s : in.records()) data.stages.push_back({s.name, s.seconds, s.peakBytes, s.reused});
     PlotSeries loss{"total", {}, {}}, psnr{"masked", {}, {}};
     for (const CurvePoint& p : training->result.curve) {

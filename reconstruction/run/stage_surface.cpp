@@ -54,12 +54,7 @@ Status StageOf<FittedSurface>::make(StageInputs& in, StageContext& context) {
     if (views.empty())
         return fail(Code::InvalidArgument, "no still training frame has a mask; add masks, or let networks find the person: {}",
                     howToGetNetworks());
-    SurfaceFitSettings settings;
-    settings.progress = [&](double fraction) {
-        context.progress.update(fraction, formatText("{} silhouettes", views.size()));
-        return !context.progress.cancelled();
-    };
-    DPL_TRY(SurfaceFit surface, fitSurface(body->shaped.mesh, body->shaped.joints, views, settings, in.jobs()));
+    DPL_TRY(SurfaceFit surface, fitSurface(body->shaped.mesh, body->shaped.joints, views, {}, in.jobs()));
     const nlohmann::json info = {{"mean_iou_before", surface.meanIouBefore},
                                  {"mean_iou_after", surface.meanIouAfter},
                                  {"mean_offset_m", surface.meanOffsetM},

@@ -12,12 +12,12 @@ thread_local Current current;
 
 }  // namespace
 
-TaskScope::TaskScope(Task* task) : before_(current.task) {
-    current.task = task;
+TaskScope::TaskScope(Task* task) : before_(current.task), from_(current.from), to_(current.to) {
+    current = {task, 0, 1};
 }
 
 TaskScope::~TaskScope() {
-    current.task = before_;
+    current = {before_, from_, to_};
 }
 
 TaskPart::TaskPart(double from, double to) : from_(current.from), to_(current.to) {
@@ -31,10 +31,12 @@ TaskPart::~TaskPart() {
     current.from = from_, current.to = to_;
 }
 
-Status taskAt(double share) {
+Status taskAt(double share, std::string_view doing) {
     if (!current.task) return {};
     if (current.task->cancelled()) return fail(Code::Cancelled, "cancelled");
-    current.task->advance(current.from + share * (current.to - current.from));
+    const double done = current.from + share * (current.to - current.from);
+    current.task->advance(done);
+    if (!doing.empty()) current.task->hear(done, doing);
     return {};
 }
 

@@ -9,6 +9,7 @@
 
 #include <atomic>
 #include <cstddef>
+#include <string_view>
 
 #include "sdk/core/result.h"
 
@@ -16,14 +17,17 @@ namespace dpl {
 
 class Task {
 public:
+    virtual ~Task() = default;
     void cancel() { cancelled_.store(true, std::memory_order_relaxed); }
-    bool cancelled() const { return cancelled_.load(std::memory_order_relaxed); }
+    virtual bool cancelled() const { return cancelled_.load(std::memory_order_relaxed); }
     /** Share of the work that is done, 0 to 1. It never falls. */
     double progress() const { return progress_.load(std::memory_order_relaxed); }
     /** For the thread that works. */
     void advance(double to) {
         if (to > progress()) progress_.store(to < 1 ? to : 1, std::memory_order_relaxed);
     }
+    /** Hears on the thread that works what it is doing ("frame 3 of 20"), and the share of the whole that is done. */
+    virtual void hear([[maybe_unused]] double share, [[maybe_unused]] std::string_view doing) {}
 
 private:
     std::atomic<bool> cancelled_{false};
@@ -40,6 +44,7 @@ public:
 
 private:
     Task* before_;
+    double from_, to_;  // of the part around it
 };
 
 /** What is done until the part ends counts as [from, to] of the part around it. Parts nest. */
@@ -54,9 +59,9 @@ private:
     double from_, to_;  // of the part around it
 };
 
-/** For loops: says that `share` (0 to 1) of the part at hand is done. Cancelled: the task of this thread was cancelled. Costs some
- *  nanoseconds; without a task it does nothing. */
-Status taskAt(double share);
+/** For loops: says that `share` (0 to 1) of the part at hand is done, and what is done next, if that is worth telling. Cancelled: the task
+ *  of this thread was cancelled. Costs some nanoseconds; without a task it does nothing. */
+Status taskAt(double share, std::string_view doing = {});
 
 /** Turns of a loop over splats between two calls of taskAt(), a power of two: about a millisecond. */
 constexpr size_t kLook = 4096;

@@ -13,6 +13,7 @@
 
 #include "reconstruction/input/cameras/bundle_cost.h"
 #include "sdk/core/percentile.h"
+#include "sdk/core/task.h"
 
 namespace dpl {
 namespace {
@@ -174,21 +175,21 @@ private:
         options.max_num_iterations = int(settings_.stepsPerRound);
         options.num_threads = 1;  // the same result on every machine
         options.logging_type = ceres::SILENT;
-        Cancel cancel(settings_.cancel);
+        Cancel cancel;
         options.callbacks.push_back(&cancel);
         ceres::Solver::Summary summary;
         ceres::Solve(options, &problem, &summary);
-        if (summary.termination_type == ceres::USER_FAILURE) return fail(Code::Cancelled, "stopped");
+        DPL_RETURN_IF_ERROR(cancel.goesOn);
         if (!summary.IsSolutionUsable()) return fail(Code::Internal, "the bundle adjustment failed: {}", summary.message);
         blocks.store(scene);
         return summary.message;
     }
 
     struct Cancel : ceres::IterationCallback {
-        const std::atomic<bool>* flag;
-        explicit Cancel(const std::atomic<bool>* asked) : flag(asked) {}
+        Status goesOn;
         ceres::CallbackReturnType operator()(const ceres::IterationSummary&) override {
-            return flag && *flag ? ceres::SOLVER_ABORT : ceres::SOLVER_CONTINUE;
+            goesOn = taskAt(0);
+            return goesOn ? ceres::SOLVER_CONTINUE : ceres::SOLVER_ABORT;
         }
     };
 };

@@ -5,7 +5,6 @@
 //   min Σ ρ( π(f·K, k1, R X + t) − x ),   ρ: Cauchy's loss
 #pragma once
 
-#include <atomic>
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -38,7 +37,6 @@ struct BundleSettings {
     double outlierPx = 6;  // after each round, observations that miss by more, and by more than 6 median misses, no longer count
     uint32_t rounds = 3;
     uint32_t stepsPerRound = 40;
-    const std::atomic<bool>* cancel = nullptr;
 };
 
 /** How a bundle adjustment ended. Misses are medians over all observations, px. */

@@ -8,6 +8,7 @@
 
 #include "reconstruction/base/program.h"
 #include "sdk/core/files.h"
+#include "sdk/core/task.h"
 
 namespace dpl {
 namespace {
@@ -56,14 +57,10 @@ private:
     const ColmapRun& run_;
     std::string database_;
 
-    void say(double fraction, std::string_view what) const {
-        if (run_.progress) run_.progress(fraction, what);
-    }
-
     Status call(std::vector<std::string> arguments, const std::function<void(std::string_view)>& line) const {
         arguments.insert(arguments.begin(), kColmapProgram);
         // Without a screen Qt, which COLMAP links, would end the program.
-        const Status ended = runProgram({arguments, {"QT_QPA_PLATFORM=offscreen"}, run_.folder / "colmap.log", line, run_.cancel});
+        const Status ended = runProgram({arguments, {"QT_QPA_PLATFORM=offscreen"}, run_.folder / "colmap.log", line});
         if (!ended && ended.error().code == Code::NotFound)
             return fail(Code::NotFound,
                         "the pictures have no cameras, and COLMAP, which finds them, is not installed: {}; or give a scan with cameras",
@@ -97,8 +94,8 @@ private:
             arguments.insert(arguments.end(), {"--ImageReader.mask_path", (run_.folder / "masks").string()});
         return call(arguments, [&](std::string_view line) {
             if (const auto done = numberAfter(line, "Processed file ["))
-                say(kExtractShare * *done / double(run_.images.size()),
-                    formatText("features, picture {} of {}", *done, run_.images.size()));
+                (void)taskAt(kExtractShare * *done / double(run_.images.size()),
+                             formatText("features, picture {} of {}", *done, run_.images.size()));
         });
     }
 
@@ -112,8 +109,8 @@ private:
             DPL_RETURN_IF_ERROR(call({"matches_importer", "--database_path", database_, "--match_list_path", list.string(),
                                       "--SiftMatching.use_gpu", "0", "--SiftMatching.num_threads", std::to_string(run_.threads)},
                                      {}));
-            say(kExtractShare + kMatchShare * double(end) / double(run_.pairs.size()),
-                formatText("matches, pair {} of {}", end, run_.pairs.size()));
+            (void)taskAt(kExtractShare + kMatchShare * double(end) / double(run_.pairs.size()),
+                         formatText("matches, pair {} of {}", end, run_.pairs.size()));
         }
         return {};
     }
@@ -124,7 +121,8 @@ private:
              "--Mapper.num_threads", std::to_string(run_.threads)},
             [&](std::string_view line) {
                 if (const auto done = numberAfter(line.substr(std::min(line.size(), line.find('('))), "("))
-                    say(std::min(1.0, kExtractShare + kMatchShare + (1 - kExtractShare - kMatchShare) * *done / double(run_.images.size())),
+                    (void)taskAt(
+                        std::min(1.0, kExtractShare + kMatchShare + (1 - kExtractShare - kMatchShare) * *done / double(run_.images.size())),
                         formatText("cameras, {} of {} found", *done, run_.images.size()));
             });
         // The mapper of newer versions fails when it finds no model, which is an answer.

@@ -2,9 +2,7 @@
 // Runs COLMAP (https://colmap.github.io, 3.8 or later) as a program on pictures whose cameras are not known.
 #pragma once
 
-#include <atomic>
 #include <filesystem>
-#include <functional>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -24,13 +22,11 @@ struct ColmapRun {
     uint32_t widthPx = 0, heightPx = 0;            // of all images
     double focalPx = 0;                            // start of the search
     uint32_t threads = 2;
-    std::function<void(double fraction, std::string_view what)> progress = {};  // on the calling thread; may be empty
-    const std::atomic<bool>* cancel = nullptr;                                  // may be null
 };
 
 /** The sparse model with the most pictures, as readColmapModel returns it; empty when COLMAP finds none. Files of an earlier run in the
  *  folder are removed first. All output of COLMAP is in folder/colmap.log. NotFound with the remedy when COLMAP is not installed. Cancelled
- *  within a second after `cancel` turns true. */
+ *  within a second. */
 Result<std::vector<ColmapImage>> runColmap(const ColmapRun& run);
 
 }  // namespace dpl

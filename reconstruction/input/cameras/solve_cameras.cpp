@@ -13,6 +13,7 @@
 #include "reconstruction/input/cameras/still_model.h"
 #include "sdk/core/files.h"
 #include "sdk/core/percentile.h"
+#include "sdk/core/task.h"
 
 namespace dpl {
 namespace {
@@ -55,10 +56,6 @@ private:
     Tracks tracks_;                    // of model_
     Camerad intrinsics_;
 
-    bool cancelled() const { return settings_.cancel && *settings_.cancel; }
-    void say(double fraction, std::string_view what) const {
-        if (settings_.progress) settings_.progress(fraction, what);
-    }
     std::string imageName(size_t i) const { return pictures_[i].name + pictures_[i].image.extension().string(); }
 
     size_t placedStills() const {
@@ -98,8 +95,8 @@ private:
             if (error) return fail(Code::Io, "cannot create {}: {}", folder.string(), error.message());
         }
         for (size_t i = 0; i < pictures_.size(); ++i) {
-            if (cancelled()) return fail(Code::Cancelled, "stopped");
-            say(kReadShare * double(i) / double(pictures_.size()), formatText("reading picture {} of {}", i + 1, pictures_.size()));
+            DPL_RETURN_IF_ERROR(
+                taskAt(kReadShare * double(i) / double(pictures_.size()), formatText("reading picture {} of {}", i + 1, pictures_.size())));
             DPL_TRY(const SolvePixels pixels, load(i));
             const std::vector<uint8_t> background = backgroundOf(pixels);
             features_[i] = findFeatures(view(pixels.grey), view(background), kMostFeatures, kMaxSidePx);
@@ -125,8 +122,7 @@ private:
         for (const auto* group : {&stills_, &closeups_})
             for (const size_t i : *group) run.images.push_back(imageName(i)), indexOf[imageName(i)] = i;
         run.widthPx = settings_.widthPx, run.heightPx = settings_.heightPx;
-        run.cancel = settings_.cancel;
-        run.progress = [&](double fraction, std::string_view what) { say(kReadShare + kColmapShare * fraction, what); };
+        const TaskPart part(kReadShare, kReadShare + kColmapShare);
         const double diagonal = std::hypot(settings_.widthPx, settings_.heightPx);
         const double guess = settings_.focalGuessPx > 0 ? settings_.focalGuessPx : priors::kPhoneFocal * diagonal;
         std::vector<ColmapImage> best;
@@ -153,12 +149,8 @@ private:
         for (const auto* group : {&stills_, &closeups_})
             for (const size_t i : *group)
                 if (out_.pictures[i].camera) model_.push_back({*out_.pictures[i].camera, features_[i]}), ids.push_back(i);
-        TrackSettings settings;
-        settings.progress = [&](double fraction) {
-            say(kReadShare + kColmapShare + kTrackShare * fraction, "points of the background");
-            return !cancelled();
-        };
-        DPL_TRY(tracks_, findTracks(model_, out_.lens, settings));
+        const TaskPart part(kReadShare + kColmapShare, kReadShare + kColmapShare + kTrackShare);
+        DPL_TRY(tracks_, findTracks(model_, out_.lens, {}));
         std::vector<double> misses;
         std::vector<std::vector<double>> ofPicture(model_.size());
         for (const BundleObservation& o : tracks_.scene.observations) {
@@ -185,11 +177,10 @@ private:
     Status placeLate() {
         std::optional<Camerad> before;  // of the moving picture before: the next is probably near. Never of a held-out one
         for (size_t k = 0; k < late_.size(); ++k) {
-            if (cancelled()) return fail(Code::Cancelled, "stopped");
+            DPL_RETURN_IF_ERROR(taskAt(1 - (1 - kReadShare - kColmapShare - kTrackShare) * double(late_.size() - k) / double(late_.size()),
+                                       formatText("moving pictures, {} of {}", k + 1, late_.size())));
             place(late_[k], features_[late_[k]], tracks_, before ? &*before : nullptr);
             if (pictures_[late_[k]].role == SolveRole::Moving && out_.pictures[late_[k]].camera) before = out_.pictures[late_[k]].camera;
-            say(1 - (1 - kReadShare - kColmapShare - kTrackShare) * double(late_.size() - k - 1) / double(late_.size()),
-                formatText("moving pictures, {} of {}", k + 1, late_.size()));
         }
         return {};
     }
@@ -204,15 +195,14 @@ private:
         for (const auto* group : {&stills_, &closeups_})
             for (const size_t i : *group) {
                 if (!out_.pictures[i].camera) continue;
-                if (cancelled()) return fail(Code::Cancelled, "stopped");
+                DPL_RETURN_IF_ERROR(taskAt(1));
                 DPL_TRY(const SolvePixels pixels, load(i));
                 whole.push_back({*out_.pictures[i].camera, findFeatures(view(pixels.grey), {}, kMostFeatures, kMaxSidePx)});
             }
-        TrackSettings settings;
-        settings.progress = [&](double) { return !cancelled(); };
-        DPL_TRY(const Tracks tracks, findTracks(whole, out_.lens, settings));
+        const TaskPart part(1, 1);
+        DPL_TRY(const Tracks tracks, findTracks(whole, out_.lens, {}));
         for (const size_t i : open) {
-            if (cancelled()) return fail(Code::Cancelled, "stopped");
+            DPL_RETURN_IF_ERROR(taskAt(1));
             DPL_TRY(const SolvePixels pixels, load(i));
             place(i, findFeatures(view(pixels.grey), {}, kMostFeatures, kMaxSidePx), tracks, nullptr);
             out_.pictures[i].unmasked = out_.pictures[i].camera.has_value();

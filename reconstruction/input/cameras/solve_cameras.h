@@ -6,7 +6,6 @@
 //   close-ups that COLMAP could not place ── the same with the person, who stands still ──► cameras
 #pragma once
 
-#include <atomic>
 #include <filesystem>
 #include <functional>
 #include <optional>
@@ -41,10 +40,8 @@ struct SolvePixels {
 struct SolveSettings {
     std::filesystem::path folder;  // exists; for COLMAP's files and log
     uint32_t widthPx = 0, heightPx = 0;
-    double focalGuessPx = 0;                                                    // of EXIF, say; 0: that of a phone's main camera
-    std::function<Result<SolvePixels>(size_t)> load;                            // pixels of a picture; called on the calling thread
-    std::function<void(double fraction, std::string_view what)> progress = {};  // on the calling thread; may be empty
-    const std::atomic<bool>* cancel = nullptr;
+    double focalGuessPx = 0;                          // of EXIF, say; 0: that of a phone's main camera
+    std::function<Result<SolvePixels>(size_t)> load;  // pixels of a picture; called on the calling thread
 };
 
 /** What became of one picture. */

@@ -11,6 +11,7 @@
 #include "reconstruction/input/cameras/priors.h"
 #include "reconstruction/input/cameras/rays.h"
 #include "sdk/core/percentile.h"
+#include "sdk/core/task.h"
 
 namespace dpl {
 namespace {
@@ -195,7 +196,7 @@ Result<Tracks> findTracks(std::span<const StillPicture> pictures, const LensDist
             ++out.matchesOfPicture[a], ++out.matchesOfPicture[b];
             joined.join(first[a] + match.a, first[b] + match.b);
         }
-        if (settings.progress && !settings.progress(double(i + 1) / double(pairs.size()))) return fail(Code::Cancelled, "stopped");
+        DPL_RETURN_IF_ERROR(taskAt(double(i + 1) / double(pairs.size()), "points of the background"));
     }
     out.epipolarMissPx = percentile(misses, 0.5);
 

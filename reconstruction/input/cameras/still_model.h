@@ -3,7 +3,6 @@
 // (docs/reference/cameras.md).
 #pragma once
 
-#include <functional>
 #include <optional>
 #include <span>
 #include <vector>
@@ -30,7 +29,6 @@ struct TrackSettings {
     std::vector<std::pair<uint32_t, uint32_t>> morePairs;  // pictures that are matched besides; first < second
     double epipolarPx = 3;  // matches farther than this from each other's epipolar line are wrong. Above the error of the cameras
     double missPx = 6;      // a triangulated point misses none of its features by more
-    std::function<bool(double fraction)> progress;  // false stops; may be empty
 };
 
 /** Points and the features that show them. */
@@ -42,7 +40,7 @@ struct Tracks {
     double epipolarMissPx = 0;                       // median over the accepted matches: as good as the cameras are
 };
 
-/** Matches near pictures, joins matches to tracks and triangulates them. Cancelled: progress returned false. */
+/** Matches near pictures, joins matches to tracks and triangulates them. Errors: Cancelled. */
 Result<Tracks> findTracks(std::span<const StillPicture> pictures, const LensDistortion& lens, const TrackSettings& settings);
 
 /** A camera that was found for a picture. */

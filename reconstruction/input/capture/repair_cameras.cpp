@@ -11,6 +11,7 @@
 #include "reconstruction/input/capture/frame_picture.h"
 #include "reconstruction/input/capture/priors.h"
 #include "sdk/core/percentile.h"
+#include "sdk/core/task.h"
 
 namespace dpl {
 namespace {
@@ -56,7 +57,7 @@ Result<Features> backgroundFeatures(const ScanFrame& frame) {
 
 class Repair {
 public:
-    Repair(Scan& scan, const RepairSettings& settings, Jobs& jobs) : scan_(scan), settings_(settings), jobs_(jobs) {}
+    Repair(Scan& scan, Jobs& jobs) : scan_(scan), jobs_(jobs) {}
 
     Result<CameraRepair> run() {
         for (size_t f = 0; f < scan_.frames.size(); ++f)
@@ -94,7 +95,6 @@ public:
 
 private:
     Scan& scan_;
-    const RepairSettings& settings_;
     Jobs& jobs_;
     std::vector<size_t> stills_;          // frames
     std::vector<StillPicture> pictures_;  // of stills_
@@ -105,10 +105,6 @@ private:
     CameraRepair said(std::string sentence) {
         out_.sentence = std::move(sentence);
         return out_;
-    }
-    bool cancelled() const { return settings_.cancel && *settings_.cancel; }
-    void say(double fraction, std::string_view what) const {
-        if (settings_.progress) settings_.progress(fraction, what);
     }
 
     /** Close-ups see little of the background, and their neighbours see the same little: each is matched with many full views as well. */
@@ -131,25 +127,24 @@ private:
         settings.epipolarPx = gatePx;
         settings.missPx = 3 * gatePx;
         settings.morePairs = closeupPairs();
-        settings.progress = [this](double) { return !cancelled(); };
         return settings;
     }
 
     Status findAllFeatures() {
         std::vector<Status> results(stills_.size());
         pictures_.resize(stills_.size());
-        jobs_.forBlocks(stills_.size(), [&](size_t i, uint32_t) {
-            if (cancelled()) return;
+        std::atomic<bool> stopped{false};
+        jobs_.forBlocks(stills_.size(), [&](size_t i, uint32_t worker) {
+            if (worker == 0 && !taskAt(0)) stopped = true;
+            if (stopped) return;
             auto found = backgroundFeatures(scan_.frames[stills_[i]]);
             if (found)
                 pictures_[i] = {scan_.frames[stills_[i]].camera, std::move(*found)};
             else
                 results[i] = found.error();
         });
-        if (cancelled()) return fail(Code::Cancelled, "stopped");
         for (const Status& result : results) DPL_RETURN_IF_ERROR(result);
-        say(0.3, "matching pictures");
-        return {};
+        return taskAt(0.3, "matching pictures");
     }
 
     /** False: the scene says too little. */
@@ -157,7 +152,6 @@ private:
         BundleSettings settings;
         settings.findFocal = settings.findLens = true;
         settings.lossPx = lossPx, settings.outlierPx = outlierPx;
-        settings.cancel = settings_.cancel;
         auto end = adjustBundle(scene, settings);
         if (end) end_ = std::move(*end);
         if (!end && end.error().code == Code::Cancelled) return end.error();
@@ -179,8 +173,7 @@ private:
         const LensDistortion lens = tracks.scene.lens;
         for (size_t f = 0; f < scan_.frames.size(); ++f) {
             ScanFrame& frame = scan_.frames[f];
-            if (cancelled()) return fail(Code::Cancelled, "stopped");
-            say(0.6 + 0.4 * double(f) / double(scan_.frames.size()), "placing the other pictures");
+            DPL_RETURN_IF_ERROR(taskAt(0.6 + 0.4 * double(f) / double(scan_.frames.size()), "placing the other pictures"));
             if (!isStillTraining(frame)) {
                 Camerad camera = frame.camera;
                 camera.fx *= out_.focalFactor, camera.fy *= out_.focalFactor;
@@ -227,8 +220,8 @@ bool keypointsDoubtCameras(const Scan& scan) {
            focal->missAsGivenPx > priors::kFocalMissRatio * focal->missPx;
 }
 
-Result<CameraRepair> repairCameras(Scan& scan, const RepairSettings& settings, Jobs& jobs) {
-    return Repair(scan, settings, jobs).run();
+Result<CameraRepair> repairCameras(Scan& scan, Jobs& jobs) {
+    return Repair(scan, jobs).run();
 }
 
 }  // namespace dpl

@@ -2,8 +2,6 @@
 // Repairs the cameras that a scan brings, where its keypoints raise doubt and its pictures agree (docs/reference/cameras.md).
 #pragma once
 
-#include <atomic>
-#include <functional>
 #include <string>
 #include <string_view>
 
@@ -17,11 +15,6 @@ namespace dpl {
  * check names them. */
 bool keypointsDoubtCameras(const Scan& scan);
 
-struct RepairSettings {
-    std::function<void(double fraction, std::string_view what)> progress = {};
-    const std::atomic<bool>* cancel = nullptr;
-};
-
 struct CameraRepair {
     bool repaired = false;                     // false: the scan is as it was
     double missBeforePx = 0, missAfterPx = 0;  // median miss of the pictures' matches
@@ -34,6 +27,6 @@ struct CameraRepair {
  *  and k1 by a bundle adjustment. The world stays where it was on average. When matches then miss by less than half as much, the scan gets
  *  the new cameras, and every other frame is placed on the points by its own picture; held-out frames therefore change nothing else.
  *  Otherwise the scan is unchanged. Errors: a picture cannot be read; Cancelled. */
-Result<CameraRepair> repairCameras(Scan& scan, const RepairSettings& settings, Jobs& jobs);
+Result<CameraRepair> repairCameras(Scan& scan, Jobs& jobs);
 
 }  // namespace dpl

@@ -16,6 +16,7 @@
 #include "reconstruction/input/capture/priors.h"
 #include "reconstruction/input/capture/silhouettes.h"
 #include "sdk/core/percentile.h"
+#include "sdk/core/task.h"
 
 namespace dpl {
 namespace {
@@ -32,14 +33,14 @@ public:
     Checker(const Scan& scan, Jobs& jobs)
         : scan_(scan), jobs_(jobs), measures_(scan.frames.size()), azimuthRad_(scan.frames.size(), 0), elevation_(scan.frames.size(), 0) {}
 
-    Result<ScanCheck> run(const std::function<bool(double)>& progress) {
+    Result<ScanCheck> run() {
         std::atomic<bool> cancelled{false};
         std::atomic<size_t> done{0};
         jobs_.forBlocks(scan_.frames.size(), [&](size_t i, uint32_t worker) {
             if (cancelled) return;
             measures_[i] = measureFrame(scan_, scan_.frames[i]);
             const size_t count = ++done;
-            if (worker == 0 && progress && !progress(double(count) / double(scan_.frames.size()))) cancelled = true;
+            if (worker == 0 && !taskAt(double(count) / double(scan_.frames.size()), "reading the pictures")) cancelled = true;
         });
         if (cancelled) return fail(Code::Cancelled, "stopped after {} of {} pictures", done.load(), scan_.frames.size());
         checkFiles();
@@ -388,9 +389,9 @@ std::string missingStillPart(const Scan& scan) {
                       full, kFewestStill);
 }
 
-Result<ScanCheck> checkScan(const Scan& scan, Jobs& jobs, const std::function<bool(double)>& progress) {
+Result<ScanCheck> checkScan(const Scan& scan, Jobs& jobs) {
     if (scan.frames.empty()) return fail(Code::InvalidArgument, "{}: the scan has no frame to check", scan.root.string());
-    return Checker(scan, jobs).run(progress);
+    return Checker(scan, jobs).run();
 }
 
 }  // namespace dpl

@@ -3,7 +3,6 @@
 #pragma once
 
 #include <array>
-#include <functional>
 #include <string>
 #include <vector>
 
@@ -68,8 +67,8 @@ struct ScanCheck {
 std::string missingStillPart(const Scan& scan);
 
 /** Opens every file of the scan. Problems of the scan become findings; an error means that nothing could be examined.
- *  progress (may be empty): called on the calling thread with the share of the pictures that were read; false cancels (Code::Cancelled). */
-Result<ScanCheck> checkScan(const Scan& scan, Jobs& jobs, const std::function<bool(double share)>& progress = {});
+ *  Cancelled. */
+Result<ScanCheck> checkScan(const Scan& scan, Jobs& jobs);
 
 /** The verdict as a few lines of text: what to do about the scan, then measurements. The last line is PASS, USABLE or REFUSE with the
  * number of warnings or the reasons. */

@@ -82,18 +82,17 @@ struct PersonPoint {
 Result<PersonPoint> parsePersonPoint(const std::string& text);
 
 struct ObserveOptions {
-    std::filesystem::path models;                             // folder of the networks
-    std::filesystem::path output;                             // receives keypoints/, labels/ and masks/ (docs/formats/scan.md)
-    std::function<void(size_t done, size_t count)> progress;  // called from worker threads, one at a time; may be empty
-    std::vector<PersonPoint> persons;                         // where the user says that the person is
-    std::function<void(const std::string&)> note;             // gets a sentence on what was chosen; may be empty
+    std::filesystem::path models;                  // folder of the networks
+    std::filesystem::path output;                  // receives keypoints/, labels/ and masks/ (docs/formats/scan.md)
+    std::vector<PersonPoint> persons;              // where the user says that the person is
+    std::function<void(const std::string&)> note;  // gets a sentence on what was chosen; may be empty
 };
 
 /** Writes what the scan lacks: keypoints when it has no keypoint names, and labels and masks of frames without them. A frame in which no
  *  person is found gets no labels. Where several people are in view, choosePerson() decides over the training frames of each kind; frames
  *  in which nobody is found are tried again where the neighbours see the person. A held-out picture affects only its own files. Every
  *  thread of `jobs` loads the networks. The files do not depend on the number of threads and are written atomically. Also writes
- *  people.json: the boxes of all people, and which was chosen. */
+ *  people.json: the boxes of all people, and which was chosen. Errors: a file; Cancelled, between two frames. */
 Status observeScan(const Scan& scan, const ObserveOptions& options, Jobs& jobs);
 
 /** Adds the paths of files that observeScan() wrote to `folder` to the scan, where it lacks them. Reads no file. */

@@ -1,14 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 // Observes all frames of a scan and writes the results as files in the layout of a scan folder.
 #include <algorithm>
+#include <atomic>
 #include <cmath>
-#include <mutex>
 #include <nlohmann/json.hpp>
 
 #include "reconstruction/base/image_codec.h"
 #include "reconstruction/input/observe/observations.h"
 #include "reconstruction/input/observe/person_places.h"
 #include "sdk/core/files.h"
+#include "sdk/core/task.h"
 
 namespace dpl {
 
@@ -125,26 +126,30 @@ Status observeScan(const Scan& scan, const ObserveOptions& options, Jobs& jobs) 
     const size_t count = scan.frames.size();
     std::vector<Status> results(count);
     std::vector<Whereabouts> where(count);
-    std::mutex progressLock;
-    size_t done = 0;
-    const auto tell = [&] {
-        if (!options.progress) return;
-        const std::lock_guard lock(progressLock);
-        options.progress(++done, 2 * count);
+    std::atomic<size_t> done{0};
+    std::atomic<bool> stopped{false};
+    Status goesOn;  // of the calling thread, which is worker 0
+    const auto tell = [&](uint32_t worker) {
+        const size_t frame = ++done;
+        if (worker != 0) return;
+        goesOn = taskAt(double(frame) / double(2 * count), formatText("frame {} of {}", frame, 2 * count));
+        if (!goesOn) stopped = true;
     };
     const auto allGood = [&]() -> Status {
+        DPL_RETURN_IF_ERROR(goesOn);
         for (const auto& result : results) DPL_RETURN_IF_ERROR(result);
         return {};
     };
     // First everybody in the pictures without a mask; then, of the chosen one, what is wanted.
     jobs.forBlocks(count, [&](size_t i, uint32_t worker) {
+        if (stopped) return;
         results[i] = [&]() -> Status {
             if (!scan.frames[i].maskPath.empty()) return {};
             DPL_TRY(const ImageRgb8 image, readFrameImage(asStored(scan.frames[i])));
             DPL_TRY(where[i].people, observers[worker]->people(image));
             return {};
         }();
-        tell();
+        tell(worker);
     });
     DPL_RETURN_IF_ERROR(allGood());
     for (const FrameKind kind : {FrameKind::StaticFull, FrameKind::StaticCloseup, FrameKind::Dynamic}) {
@@ -163,12 +168,13 @@ Status observeScan(const Scan& scan, const ObserveOptions& options, Jobs& jobs) 
                 return fail(Code::InvalidArgument, "--person {}: the networks see nobody there; {} lists the boxes of whom they see",
                             point.frame, (options.output / "people.json").string());
     jobs.forBlocks(count, [&](size_t i, uint32_t worker) {
+        if (stopped) return;
         const ScanFrame& frame = scan.frames[i];
         Wanted want = wantedOf(scan, frame);
         want.labels = want.labels && observers[worker]->hasLabels();
         if (want.any())
             results[i] = observeFrame(*observers[worker], frame, want, where[i].start ? &*where[i].start : nullptr, options.output);
-        tell();
+        tell(worker);
     });
     return allGood();
 }

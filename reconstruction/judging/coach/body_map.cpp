@@ -9,6 +9,7 @@
 #include "reconstruction/judging/coach/edge_blur.h"
 #include "reconstruction/subject/surface/mesh_raster.h"
 #include "sdk/core/percentile.h"
+#include "sdk/core/task.h"
 #include "sdk/math/skinning.h"
 
 namespace dpl {
@@ -82,7 +83,7 @@ void addPicture(std::vector<SeenTriangle>& map, std::span<const Sight> sights, f
 }
 
 Result<std::vector<SeenTriangle>> mapBody(const MeshData& surface, std::span<const JointData> joints,
-                                          std::span<const PosedPicture> pictures, const std::function<bool(double)>& tell, Jobs& jobs) {
+                                          std::span<const PosedPicture> pictures, Jobs& jobs) {
     struct Measured {
         std::vector<Sight> sights;
         std::optional<float> blurPx;
@@ -107,7 +108,8 @@ Result<std::vector<SeenTriangle>> mapBody(const MeshData& surface, std::span<con
         measured[i] = {
             lookAt(positions, surface.triangles, pictures[i].camera, mask.pixels.empty() ? nullptr : &mask), blurOfPicture(**picture), {}};
         const size_t count = ++done;
-        if (worker == 0 && tell && !tell(double(count) / double(pictures.size()))) cancelled = true;
+        if (worker == 0 && !taskAt(double(count) / double(pictures.size()), formatText("{} still pictures", pictures.size())))
+            cancelled = true;
     });
     if (cancelled) return fail(Code::Cancelled, "stopped after {} of {} pictures", done.load(), pictures.size());
 

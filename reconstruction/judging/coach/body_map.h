@@ -3,7 +3,6 @@
 // (docs/reference/body-map.md).
 #pragma once
 
-#include <functional>
 #include <span>
 #include <vector>
 
@@ -54,10 +53,9 @@ struct PosedPicture {
 };
 
 /** The map of a surface at rest, F. Blur is measured on the whole person in each picture; a picture with too few edges takes the median of
- * the others. tell: share done; false cancels; may be empty. The result does not depend on the number of threads. Errors: a picture
+ * the others. The result does not depend on the number of threads. Errors: a picture
  *  cannot be read; Cancelled. */
 Result<std::vector<SeenTriangle>> mapBody(const MeshData& surface, std::span<const JointData> joints,
-                                          std::span<const PosedPicture> pictures, const std::function<bool(double share)>& tell,
-                                          Jobs& jobs);
+                                          std::span<const PosedPicture> pictures, Jobs& jobs);
 
 }  // namespace dpl

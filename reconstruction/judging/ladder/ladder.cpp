@@ -17,6 +17,7 @@
 #include "reconstruction/subject/surface/mesh_raster.h"
 #include "sdk/avatar/posed_mesh.h"
 #include "sdk/core/evenly_spaced.h"
+#include "sdk/core/task.h"
 #include "sdk/splat/splat_engine.h"
 
 namespace dpl {
@@ -136,7 +137,7 @@ public:
                 ladder.garments.push_back({garment.name, poses, std::vector<GarmentCell>(ladder.groups.size())});
         const std::vector<std::pair<size_t, size_t>> frames = chosenFrames();
         for (size_t i = 0; i < frames.size(); ++i) {
-            DPL_RETURN_IF_ERROR(tell(0.2 + 0.8 * double(i) / double(frames.size()), in_.scan.frames[frames[i].first].name));
+            DPL_RETURN_IF_ERROR(taskAt(0.2 + 0.8 * double(i) / double(frames.size()), in_.scan.frames[frames[i].first].name));
             DPL_RETURN_IF_ERROR(score(frames[i].first, frames[i].second, ladder));
         }
         for (GarmentRow& row : ladder.garments)
@@ -154,11 +155,6 @@ public:
 
 private:
     Split splitOf(size_t f) const { return in_.poses.frames[f].split; }
-
-    Status tell(double share, const std::string& what) const {
-        if (in_.progress && !in_.progress(share, what)) return fail(Code::Cancelled, "stopped");
-        return {};
-    }
 
     /** Frames to score with their column: frames whose true surface is known. */
     std::vector<std::pair<size_t, size_t>> chosenFrames() const {
@@ -181,7 +177,7 @@ private:
         for (size_t f = 0; f < truth_.frames.size(); ++f) {
             const ScanFrame& frame = in_.scan.frames[f];
             if (splitOf(f) != Split::Train || frame.kind == FrameKind::StaticCloseup) continue;
-            DPL_RETURN_IF_ERROR(tell(0.15 * double(f) / double(truth_.frames.size()), frame.name));
+            DPL_RETURN_IF_ERROR(taskAt(0.15 * double(f) / double(truth_.frames.size()), frame.name));
             const auto picture = readFramePicture(frame);
             if (!picture) continue;  // the scan check reports it
             labels_.add(picture->image, picture->mask, picture->labels);

@@ -3,7 +3,6 @@
 // what pose, shape, light and texture cost. It only measures; docs/reference/metrics.md.
 #pragma once
 
-#include <functional>
 #include <optional>
 #include <span>
 
@@ -19,8 +18,7 @@ struct LadderInput {
     const Scan& scan;
     std::span<const Camerad> cameras;  // of Scan::frames, metres
     const AvatarData& avatar;
-    const PosesFile& poses;                                          // of this avatar and scan, one a frame
-    std::function<bool(double share, const std::string&)> progress;  // false cancels; may be empty
+    const PosesFile& poses;  // of this avatar and scan, one a frame
 };
 
 /** Measures the ladder. None when the scan has no truth, or no still frame that it was trained on. Memory: a few pictures. Deterministic.

@@ -16,6 +16,7 @@
 #include "reconstruction/subject/garments/clothed_mesh.h"
 #include "reconstruction/subject/garments/resting_hands.h"
 #include "reconstruction/training/trainer/init.h"
+#include "sdk/core/task.h"
 #include "sdk/format/avatar_file.h"
 #include "sdk/format/correctives.h"
 
@@ -195,8 +196,7 @@ void updateEvidence(const std::vector<DressedLayer>& layers, std::vector<Evidenc
 
 }  // namespace
 
-Result<Dressed> dressAvatar(const NamedAvatar& wearer, std::span<const Garment> garments,
-                            const std::function<bool(double, const std::string&)>& progress, Jobs& jobs) {
+Result<Dressed> dressAvatar(const NamedAvatar& wearer, std::span<const Garment> garments, Jobs& jobs) {
     if (garments.empty())
         return fail(Code::InvalidArgument, "nothing to put on {}: name a garment's avatar with --top, --bottom, --shoes or --hair",
                     wearer.file);
@@ -208,10 +208,6 @@ Result<Dressed> dressAvatar(const NamedAvatar& wearer, std::span<const Garment> 
             return fail(Code::InvalidArgument, "{} has no layer '{}'; it has {}", garment.from->file, garment.layer,
                         layerNames(garment.from->avatar));
     }
-    const auto report = [&](double fraction, const std::string& doing) -> Status {
-        if (progress && !progress(fraction, doing)) return fail(Code::Cancelled, "stopped; nothing was written");
-        return {};
-    };
 
     std::vector<Garment> inOrder(garments.begin(), garments.end());
     std::sort(inOrder.begin(), inOrder.end(), [](const Garment& a, const Garment& b) { return rankOf(a.layer) < rankOf(b.layer); });
@@ -237,7 +233,7 @@ Result<Dressed> dressAvatar(const NamedAvatar& wearer, std::span<const Garment> 
     size_t newTriangles = 0;
     for (size_t i = 0; i < inOrder.size(); ++i) {
         const Garment& garment = inOrder[i];
-        DPL_RETURN_IF_ERROR(report(0.1 + 0.5 * double(i) / double(inOrder.size()), "fitting " + garment.layer));
+        DPL_RETURN_IF_ERROR(taskAt(0.1 + 0.5 * double(i) / double(inOrder.size()), "fitting " + garment.layer));
         LayerPart part = takeLayer(garment.from->avatar, layerIndex(garment.from->avatar, garment.layer));
         DPL_TRY(DressedLayer done, fitPart(wearer, worn, garment, part, jobs));
         done.replaced = layerIndex(wearer.avatar, garment.layer) < wearer.avatar.mesh.layers.size();
@@ -248,7 +244,7 @@ Result<Dressed> dressAvatar(const NamedAvatar& wearer, std::span<const Garment> 
         worn.push_back(std::move(part));
     }
 
-    DPL_RETURN_IF_ERROR(report(0.6, "skin that the change uncovers"));
+    DPL_RETURN_IF_ERROR(taskAt(0.6, "skin that the change uncovers"));
     const BodyChange change = changeBody(wearer.avatar, kept, worn, jobs);
     out.filledSkinTriangles = change.filledTriangles, out.clearedSkinTriangles = change.clearedTriangles, out.noSkin = change.noSkin;
     for (size_t i = kept, first = change.shown.size() - newTriangles; i < worn.size(); ++i) {
@@ -261,7 +257,7 @@ Result<Dressed> dressAvatar(const NamedAvatar& wearer, std::span<const Garment> 
     separateLayers(avatar.mesh);
     avatar.generator = "doppel dress";
     updateEvidence(out.layers, avatar.evidence);
-    DPL_RETURN_IF_ERROR(report(0.9, "encoding"));
+    DPL_RETURN_IF_ERROR(taskAt(0.9, "encoding"));
 
     sortSplats(avatar);
     const std::vector<Vec3f> exact = avatar.mesh.restPositions;
@@ -272,8 +268,7 @@ Result<Dressed> dressAvatar(const NamedAvatar& wearer, std::span<const Garment> 
     return out;
 }
 
-Result<DressedFile> dressFiles(const std::filesystem::path& wearer, std::span<const GarmentFile> garments,
-                               const std::function<bool(double, const std::string&)>& progress, Jobs& jobs) {
+Result<DressedFile> dressFiles(const std::filesystem::path& wearer, std::span<const GarmentFile> garments, Jobs& jobs) {
     WriteOptions options{.shPalette = true};
     const auto read = [&](const std::filesystem::path& path) -> Result<NamedAvatar> {
         DPL_TRY(const auto bytes, readAvatarBytes(path));
@@ -295,7 +290,7 @@ Result<DressedFile> dressFiles(const std::filesystem::path& wearer, std::span<co
     std::vector<Garment> lent;
     for (const GarmentFile& garment : garments) lent.push_back({garment.layer, &sources.at(garment.path)});
     DressedFile out;
-    DPL_TRY(out.dressed, dressAvatar(onto, lent, progress, jobs));
+    DPL_TRY(out.dressed, dressAvatar(onto, lent, jobs));
     if (out.dressed.avatar.splats.shDegree > 0) {  // as doppel reconstruct writes them
         DPL_TRY([[maybe_unused]] const ShPaletteReport palette, paletteSh(out.dressed.avatar.splats, kAvatarPalette, jobs));
     }

@@ -4,7 +4,6 @@
 
 #include <array>
 #include <filesystem>
-#include <functional>
 #include <span>
 #include <string>
 #include <vector>
@@ -47,10 +46,9 @@ struct Dressed {
 };
 
 /** Replaces layers of `wearer`. The wearer keeps name, rig, body, clips and pose correctives. Refuses avatars whose rig or body mesh
- * differs from the wearer's, and files without the layer (InvalidArgument, naming the file and what to do). `progress`: false cancels
- * (Cancelled); may be empty. The result does not depend on the number of threads. */
-Result<Dressed> dressAvatar(const NamedAvatar& wearer, std::span<const Garment> garments,
-                            const std::function<bool(double fraction, const std::string& doing)>& progress, Jobs& jobs);
+ * differs from the wearer's, and files without the layer (InvalidArgument, naming the file and what to do). Cancelled. The result does not
+ * depend on the number of threads. */
+Result<Dressed> dressAvatar(const NamedAvatar& wearer, std::span<const Garment> garments, Jobs& jobs);
 
 /** A garment file on the command line: layer name and path. */
 struct GarmentFile {
@@ -64,7 +62,6 @@ struct DressedFile {
 };
 
 /** The same for files. A wearer that is entropy-coded (splat encoding 3) stays so. Errors name the file. */
-Result<DressedFile> dressFiles(const std::filesystem::path& wearer, std::span<const GarmentFile> garments,
-                               const std::function<bool(double fraction, const std::string& doing)>& progress, Jobs& jobs);
+Result<DressedFile> dressFiles(const std::filesystem::path& wearer, std::span<const GarmentFile> garments, Jobs& jobs);
 
 }  // namespace dpl

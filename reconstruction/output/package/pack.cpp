@@ -13,6 +13,7 @@
 #include "reconstruction/output/package/avatar_bytes.h"
 #include "reconstruction/output/package/pack_pictures.h"
 #include "reconstruction/output/package/sh_palette.h"
+#include "sdk/core/task.h"
 #include "sdk/format/avatar_file.h"
 #include "sdk/format/splat_codec.h"
 #include "sdk/math/sh.h"
@@ -298,10 +299,9 @@ Error outOfReach(const PackLimits& limits, const PackPoint& last, const PackPoin
 
 }  // namespace
 
-Result<PackResult> packToLimits(const AvatarData& avatar, const PackLimits& limits, const PackSettings& settings, Jobs& jobs,
-                                const std::function<Status(double, const std::string&)>& progress) {
+Result<PackResult> packToLimits(const AvatarData& avatar, const PackLimits& limits, const PackSettings& settings, Jobs& jobs) {
     if (!limits.maxBytes && !limits.minPsnrDb) return fail(Code::InvalidArgument, "packing needs a limit: give a size, a PSNR or both");
-    DPL_RETURN_IF_ERROR(progress(0, "drawing the unpacked avatar"));
+    DPL_RETURN_IF_ERROR(taskAt(0, "drawing the unpacked avatar"));
     Walk walk(avatar, settings, jobs);
     DPL_TRY(Walk::Candidate here, walk.measure(walk.first()));
     here.point.move = "as it was";
@@ -347,8 +347,8 @@ Result<PackResult> packToLimits(const AvatarData& avatar, const PackLimits& limi
                     best = &m;
             if (!best || known[best->ladder].fresh) break;
             Known& k = known[best->ladder];
-            DPL_RETURN_IF_ERROR(progress(
-                share(), formatText("{} MB, {}; trying {}", megabytes(here.point.bytes), decibels(here.point.psnrDb), best->name)));
+            DPL_RETURN_IF_ERROR(
+                taskAt(share(), formatText("{} MB, {}; trying {}", megabytes(here.point.bytes), decibels(here.point.psnrDb), best->name)));
             DPL_TRY(Walk::Candidate c, walk.measure(best->to));
             c.point.move = best->name;
             if (!fits(c.point)) {
@@ -381,15 +381,14 @@ Result<PackResult> packToLimits(const AvatarData& avatar, const PackLimits& limi
     return result;
 }
 
-Result<PackResult> packFile(const std::filesystem::path& path, const PackLimits& limits, const PackSettings& settings, Jobs& jobs,
-                            const std::function<Status(double, const std::string&)>& progress) {
+Result<PackResult> packFile(const std::filesystem::path& path, const PackLimits& limits, const PackSettings& settings, Jobs& jobs) {
     DPL_TRY(const auto bytes, readAvatarBytes(path));
     const auto avatar = readAvatar(bytes);
     if (!avatar) return fail(avatar.error().code, "{}: {}", path.string(), avatar.error().message);
     DPL_TRY(const AvatarInfo info, inspectAvatar(bytes));
     PackSettings asItCame = settings;
     asItCame.compact = info.splatEncoding == 3;
-    return packToLimits(*avatar, limits, asItCame, jobs, progress);
+    return packToLimits(*avatar, limits, asItCame, jobs);
 }
 
 std::string curveAsText(const std::vector<PackPoint>& curve) {

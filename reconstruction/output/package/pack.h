@@ -11,7 +11,6 @@
 #pragma once
 
 #include <filesystem>
-#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -51,14 +50,11 @@ struct PackSettings {
 
 /** Steps until the file has at most maxBytes or, without maxBytes, until every further step would fall below minPsnrDb. Set at least one
  *  limit. Same input and seed, same bytes. InvalidArgument: the limits cannot be met; the message states the nearest result.
- *  progress(share in [0, 1], line) is called on the calling thread before each candidate; an error it returns ends the search and is
- *  returned. */
-Result<PackResult> packToLimits(const AvatarData& avatar, const PackLimits& limits, const PackSettings& settings, Jobs& jobs,
-                                const std::function<Status(double, const std::string&)>& progress);
+ *  Tells the task of this thread what it tries before each candidate. Cancelled. */
+Result<PackResult> packToLimits(const AvatarData& avatar, const PackLimits& limits, const PackSettings& settings, Jobs& jobs);
 
 /** The same for a file. Errors from reading name it. */
-Result<PackResult> packFile(const std::filesystem::path& avatar, const PackLimits& limits, const PackSettings& settings, Jobs& jobs,
-                            const std::function<Status(double, const std::string&)>& progress);
+Result<PackResult> packFile(const std::filesystem::path& avatar, const PackLimits& limits, const PackSettings& settings, Jobs& jobs);
 
 /** The curve as a Markdown table. */
 std::string curveAsText(const std::vector<PackPoint>& curve);

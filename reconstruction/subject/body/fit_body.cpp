@@ -15,6 +15,7 @@
 #include "reconstruction/subject/body/priors.h"
 #include "reconstruction/subject/body/stated_height.h"
 #include "reconstruction/subject/body/swapped_sides.h"
+#include "sdk/core/task.h"
 
 namespace dpl {
 namespace {
@@ -29,17 +30,14 @@ constexpr double kConfident = 0.7;  // minimum confidence of keypoints in KindRe
 /** Reports progress after each solver step and stops the solver when the caller cancels. */
 class Watcher final : public ceres::IterationCallback {
 public:
-    Watcher(const BodyFitSettings& settings, const char* what, int maxSteps, double from, double to)
-        : settings_(settings), what_(what), maxSteps_(maxSteps), from_(from), to_(to) {}
+    Watcher(const char* what, int maxSteps, double from, double to) : what_(what), maxSteps_(maxSteps), from_(from), to_(to) {}
     ceres::CallbackReturnType operator()(const ceres::IterationSummary& s) override {
-        if (settings_.progress && !settings_.progress(from_ + (to_ - from_) * std::min(1.0, double(s.iteration) / maxSteps_), what_))
-            cancelled = true;
-        return cancelled ? ceres::SOLVER_ABORT : ceres::SOLVER_CONTINUE;
+        goesOn = taskAt(from_ + (to_ - from_) * std::min(1.0, double(s.iteration) / maxSteps_), what_);
+        return goesOn ? ceres::SOLVER_CONTINUE : ceres::SOLVER_ABORT;
     }
-    bool cancelled = false;
+    Status goesOn;
 
 private:
-    const BodyFitSettings& settings_;
     const char* what_;
     int maxSteps_;
     double from_, to_;
@@ -69,14 +67,14 @@ std::vector<size_t> BodyFitter::movingInTime(Split knownTo) const {
 }
 
 Status BodyFitter::solve(ceres::Problem& problem, const char* what, int maxSteps, double from, double to) {
-    Watcher watcher(settings_, what, maxSteps, from, to);
+    Watcher watcher(what, maxSteps, from, to);
     ceres::Solver::Options options = solverOptions(maxSteps);
     options.callbacks.push_back(&watcher);
     ceres::Solver::Summary summary;
     ceres::Solve(options, &problem, &summary);
     solves_.push_back({what, std::string(ceres::TerminationTypeToString(summary.termination_type)) + ": " + summary.message,
                        summary.IsSolutionUsable(), int(summary.iterations.size()), summary.initial_cost, summary.final_cost});
-    if (watcher.cancelled) return fail(Code::Cancelled, "the body fit was cancelled");
+    DPL_RETURN_IF_ERROR(watcher.goesOn);
     if (!summary.IsSolutionUsable()) return fail(Code::Internal, "the body fit failed in '{}': {}", what, summary.message);
     return {};
 }

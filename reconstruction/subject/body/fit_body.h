@@ -8,7 +8,6 @@
 //   μ   metres per unit of the scan's world (1 when the scan is metric)
 #pragma once
 
-#include <functional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -30,8 +29,6 @@ inline double keypointSigma(const Scan& scan) {
 struct BodyFitSettings {
     double outlierSigmas = priors::kKeypointOutlierSigmas;  // Geman–McClure scale, σ
     bool useMasks = true;                                   // refine the shape against the masks of still train frames
-    /** Called between and inside solves with the share done (0…1) and the running step. Returning false cancels (Code::Cancelled). */
-    std::function<bool(double fraction, std::string_view what)> progress;
 };
 
 /** How one least-squares solve ended. */

@@ -9,6 +9,7 @@
 #include "reconstruction/subject/surface/clothed_layers.h"
 #include "reconstruction/subject/surface/mesh_raster.h"
 #include "sdk/avatar/posed_mesh.h"
+#include "sdk/core/task.h"
 
 namespace dpl {
 namespace {
@@ -115,8 +116,7 @@ double garmentPenetration(const AvatarData& avatar, std::span<const Pose> poses,
     return double(count) / double(clothed.vertices.size() * poses.size());
 }
 
-Result<ClothFaults> clothFaults(const AvatarData& avatar, std::span<const Pose> poses, const std::function<bool(double)>& progress,
-                                Jobs& jobs) {
+Result<ClothFaults> clothFaults(const AvatarData& avatar, std::span<const Pose> poses, Jobs& jobs) {
     ClothFaults faults;
     const Clothed clothed(avatar);
     if (clothed.empty() || poses.empty()) return faults;
@@ -126,8 +126,7 @@ Result<ClothFaults> clothFaults(const AvatarData& avatar, std::span<const Pose> 
     size_t inside = 0, mostInside = 0, edges = 0, stretched = 0;
     PixelCount pixels;
     for (size_t i = 0; i < poses.size(); ++i) {
-        if (progress && !progress(double(i) / double(poses.size())))
-            return fail(Code::Cancelled, "the measurement of clothes in motion was cancelled");
+        DPL_RETURN_IF_ERROR(taskAt(double(i) / double(poses.size()), formatText("{} poses", poses.size())));
         clothed.pose(poses[i], jobs, posed);
         const std::span<const Vec3f> positions = posed.positions();
         const size_t count = verticesInside(clothed, posed, jobs);

@@ -4,7 +4,6 @@
 // The body is the layer with the role "body", garments those with the role "garment". docs/reference/metrics.md
 #pragma once
 
-#include <functional>
 #include <span>
 
 #include "sdk/avatar/rig.h"
@@ -29,9 +28,8 @@ struct ClothFaults {
 
 /** Measures every pose. A pixel shows the body through a garment when its nearest surface is a body triangle that the garment covers at
  *  rest, and the outer side of a garment lies less than 10 cm behind. Without a body layer, a garment or poses nothing is measured and the
- *  figures stay as they are above. `progress` gets the share done; false cancels; may be empty. The avatar and the poses must have passed
+ *  figures stay as they are above. The avatar and the poses must have passed
  *  the checks of their readers. Errors: Cancelled. */
-Result<ClothFaults> clothFaults(const AvatarData& avatar, std::span<const Pose> poses, const std::function<bool(double share)>& progress,
-                                Jobs& jobs);
+Result<ClothFaults> clothFaults(const AvatarData& avatar, std::span<const Pose> poses, Jobs& jobs);
 
 }  // namespace dpl

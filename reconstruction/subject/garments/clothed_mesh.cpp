@@ -16,6 +16,7 @@
 #include "reconstruction/subject/shape/closest_surface.h"
 #include "reconstruction/subject/surface/mesh_raster.h"
 #include "reconstruction/subject/surface/priors.h"
+#include "sdk/core/task.h"
 #include "sdk/format/check_mesh.h"
 #include "sdk/math/skinning.h"
 
@@ -219,12 +220,9 @@ void separateLayers(MeshData& mesh) {
     }
 }
 
-Result<GarmentFit> makeClothedMesh(const GarmentInput& input, const std::function<bool(double)>& progress, Jobs& jobs) {
+Result<GarmentFit> makeClothedMesh(const GarmentInput& input, Jobs& jobs) {
     DPL_RETURN_IF_ERROR(checkInput(input));
-    const auto report = [&](double fraction) -> Status {
-        if (progress && !progress(fraction)) return fail(Code::Cancelled, "the making of garments was cancelled");
-        return {};
-    };
+    const auto report = [&](double share) { return taskAt(share, formatText("{} still pictures", input.views.size())); };
     GarmentFit fit;
     const auto oneLayer = [&](std::string why) {
         fit.clothed = bodyLayer(input, input.bodyOffsets);

@@ -6,7 +6,6 @@
 // back to the rest pose. docs/reference/garments.md
 #pragma once
 
-#include <functional>
 #include <span>
 #include <string>
 #include <vector>
@@ -56,7 +55,7 @@ struct GarmentFit {
 
 /** Makes the layers. Views without labels only shape the hull. When no label becomes a garment (no labels, a single view, empty masks), the
  *  result is one body layer with all of bodyOffsets, and `summary` says why. The result does not depend on the number of threads.
- * `progress`: false cancels; may be empty. Errors: InvalidArgument for sizes, poses or weights that do not match; Cancelled. */
-Result<GarmentFit> makeClothedMesh(const GarmentInput& input, const std::function<bool(double fraction)>& progress, Jobs& jobs);
+ * Errors: InvalidArgument for sizes, poses or weights that do not match; Cancelled. */
+Result<GarmentFit> makeClothedMesh(const GarmentInput& input, Jobs& jobs);
 
 }  // namespace dpl

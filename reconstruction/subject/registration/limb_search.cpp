@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "sdk/core/task.h"
+
 namespace dpl {
 namespace {
 
@@ -47,14 +49,15 @@ Result<SolveEnd> solveWindow(FramePoses& poses, Split split, PictureRounds& pict
 
 }  // namespace
 
-Result<std::vector<SolveEnd>> searchLimbs(FramePoses& poses, Split split, PictureRounds& pictures,
-                                          const std::function<Status(double)>& progress) {
+Result<std::vector<SolveEnd>> searchLimbs(FramePoses& poses, Split split, PictureRounds& pictures) {
     std::vector<SolveEnd> solves;
     const std::vector<size_t> inTime = poses.movingInTime(split);
     for (size_t limb = 0; limb < kLimbCount; ++limb) {
         const std::vector<std::vector<size_t>> runs = poses.doubtedRuns(limb, split);
         for (size_t r = 0; r < runs.size(); ++r) {
-            const auto goOn = [&] { return progress((double(limb) + double(r) / double(runs.size())) / kLimbCount); };
+            const auto goOn = [&] {
+                return taskAt((double(limb) + double(r) / double(runs.size())) / kLimbCount, "limbs at other depths");
+            };
             const std::span<const size_t> window = windowOf(inTime, runs[r]);
             const std::vector<double> start = poses.parameters();
             std::vector<double> best = start;

@@ -3,16 +3,13 @@
 // other depths that they allow. Private to reconstruction/subject/registration.
 #pragma once
 
-#include <functional>
-
 #include "reconstruction/subject/registration/picture_rounds.h"
 
 namespace dpl {
 
 /** Tries the moving frames of a split. A trial sets a limb over a run of frames, solves these and their neighbours by all terms, and stays
  *  when the cost of keypoints, priors, motion and pictures together is lower. `pictures` must have started a round, unless no frame has a
- *  picture. Returns the solves of the trials that stay. progress: share done, several times a second; its error ends the search. */
-Result<std::vector<SolveEnd>> searchLimbs(FramePoses& poses, Split split, PictureRounds& pictures,
-                                          const std::function<Status(double)>& progress);
+ *  picture. Returns the solves of the trials that stay. Errors: Cancelled. */
+Result<std::vector<SolveEnd>> searchLimbs(FramePoses& poses, Split split, PictureRounds& pictures);
 
 }  // namespace dpl

@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "reconstruction/subject/registration/limb_search.h"
+#include "sdk/core/task.h"
 
 namespace dpl {
 namespace {
@@ -91,10 +92,6 @@ Result<Registration> registerFrames(const RegisterInput& given, const RegisterSe
             for (double& value : result.precisions[f].matrix) value /= input.pictureWeight;
         }
     };
-    const auto tell = [&](double fraction, std::string_view what) -> Status {
-        if (settings.progress && !settings.progress(fraction, what)) return fail(Code::Cancelled, "registration was cancelled");
-        return {};
-    };
     PictureRounds pictures(input, settings, jobs);
     const std::vector<size_t>& shown = pictures.shown();
     const size_t rounds = shown.empty() ? 1 : settings.blursPx.size() * size_t(settings.roundsPerBlur);
@@ -103,9 +100,8 @@ Result<Registration> registerFrames(const RegisterInput& given, const RegisterSe
     const double searchRounds = input.searchLimbs ? double(rounds) : 0;  // the search takes about as long as all rounds
     const auto search = [&](Split split, double from, double to) -> Status {
         if (!input.searchLimbs) return {};
-        DPL_TRY(const std::vector<SolveEnd> changed, searchLimbs(poses, split, pictures, [&](double share) {
-                    return tell(from + (to - from) * share, "limbs at other depths");
-                }));
+        const TaskPart part(from, to);
+        DPL_TRY(const std::vector<SolveEnd> changed, searchLimbs(poses, split, pictures));
         result.solves.insert(result.solves.end(), changed.begin(), changed.end());
         return {};
     };
@@ -116,7 +112,7 @@ Result<Registration> registerFrames(const RegisterInput& given, const RegisterSe
     for (size_t level = 0; level < settings.blursPx.size() && !shown.empty(); ++level) {
         const double blurPx = settings.blursPx[level];
         for (int round = 0; round < settings.roundsPerBlur; ++round) {
-            DPL_RETURN_IF_ERROR(tell(fraction(double(done++)), formatText("pictures at a blur of {} px", blurPx)));
+            DPL_RETURN_IF_ERROR(taskAt(fraction(double(done++)), formatText("pictures at a blur of {} px", blurPx)));
             pictures.start(poses, blurPx);
             ceres::Problem problem;
             poses.addTerms(problem, Split::Train);
@@ -136,7 +132,7 @@ Result<Registration> registerFrames(const RegisterInput& given, const RegisterSe
         result.solves.push_back(std::move(end));
         keepPrecisions(problem, Split::Train);
     }
-    DPL_RETURN_IF_ERROR(tell(0.9, "held-out frames"));
+    DPL_RETURN_IF_ERROR(taskAt(0.9, "held-out frames"));
     for (const Split split : {Split::Validation, Split::Test}) {
         ceres::Problem problem;
         if (poses.hasMoving(split)) {

@@ -8,7 +8,6 @@
 //   d     distance of a drawn outline from that of the mask or of a label
 #pragma once
 
-#include <functional>
 #include <string_view>
 
 #include "reconstruction/input/capture/pose_precision.h"
@@ -48,8 +47,6 @@ struct RegisterSettings {
     std::vector<double> blursPx{4, 2, 1};  // coarse to fine; pixels after pictures above 640 px a side are reduced to that
     int roundsPerBlur = 2;                 // a round finds anew what each picture shows
     int stepsPerRound = 4;
-    /** May be empty; returning false cancels. */
-    std::function<bool(double fraction, std::string_view what)> progress;
 };
 
 struct Registration {

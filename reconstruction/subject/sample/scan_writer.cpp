@@ -6,13 +6,13 @@
 #include <cmath>
 #include <cstdio>
 #include <memory>
-#include <mutex>
 #include <span>
 
 #include "reconstruction/base/image_codec.h"
 #include "reconstruction/subject/sample/random.h"
 #include "reconstruction/subject/sample/raycast.h"
 #include "reconstruction/subject/sample/scan_files.h"
+#include "sdk/core/task.h"
 
 namespace dpl {
 namespace {
@@ -113,12 +113,8 @@ Status writeFrame(const fs::path& folder, const Subject& subject, const PlannedF
     return {};
 }
 
-Status writeAll(const fs::path& folder, const SampleScanOptions& o, Jobs& jobs, const SampleProgress& progress) {
-    std::atomic<bool> cancelled{false};
-    auto report = [&](double share, const std::string& what) {
-        if (progress && !progress(share, what)) cancelled = true;
-    };
-    report(0, "modelling the subject");
+Status writeAll(const fs::path& folder, const SampleScanOptions& o, Jobs& jobs) {
+    DPL_RETURN_IF_ERROR(taskAt(0, "modelling the subject"));
     const Subject subject = makeSubject(o.seed, jobs, o.skirt ? Bottom::Skirt : Bottom::Shorts);
     const std::vector<PlannedFrame> frames = planScan(subject, o);
     std::error_code error;
@@ -129,19 +125,20 @@ Status writeAll(const fs::path& folder, const SampleScanOptions& o, Jobs& jobs, 
     std::vector<std::unique_ptr<PersonTracer>> tracers(jobs.threadCount());
     std::vector<std::vector<Vec3d>> keypoints(frames.size());
     std::vector<Status> results(frames.size());
-    std::mutex mutex;
-    size_t done = 0;
+    std::atomic<bool> stopped{false};
+    std::atomic<size_t> done{0};
+    Status goesOn;  // of the calling thread, which is worker 0
     jobs.forBlocks(frames.size(), [&](size_t f, uint32_t worker) {
-        if (cancelled) return;
+        if (stopped) return;
         if (!tracers[worker]) tracers[worker] = std::make_unique<PersonTracer>(subject);
         results[f] = writeFrame(folder, subject, frames[f], f, o, *tracers[worker], keypoints[f]);
-        const std::lock_guard lock(mutex);
-        if (!results[f]) cancelled = true;
-        report(double(++done) / double(frames.size()), frames[f].name);
+        const size_t count = ++done;
+        if (worker == 0) goesOn = taskAt(double(count) / double(frames.size()), frames[f].name);
+        if (!results[f] || (worker == 0 && !goesOn)) stopped = true;
     });
     for (const Status& result : results)
         if (!result) return result.error();
-    if (cancelled) return fail(Code::Cancelled, "the sample scan was stopped after {} of {} frames", done, frames.size());
+    DPL_RETURN_IF_ERROR(goesOn);
     DPL_RETURN_IF_ERROR(writeFile(folder / "geometry" / "template.ply", templatePly(subject)));
     DPL_RETURN_IF_ERROR(writeFile(folder / "geometry" / "weights.bin", weightsBin(subject)));
     DPL_RETURN_IF_ERROR(writeText(folder / "truth.json", truthJson(subject, frames, keypoints)));
@@ -150,7 +147,7 @@ Status writeAll(const fs::path& folder, const SampleScanOptions& o, Jobs& jobs, 
 
 }  // namespace
 
-Status makeSampleScan(const fs::path& folder, const SampleScanOptions& o, Jobs& jobs, const SampleProgress& progress) {
+Status makeSampleScan(const fs::path& folder, const SampleScanOptions& o, Jobs& jobs) {
     if (o.widthPx < 16 || o.heightPx < 16 || o.widthPx > kMaxSidePx || o.heightPx > kMaxSidePx)
         return fail(Code::InvalidArgument, "image size {}x{}: each side must be 16 to {} pixels", o.widthPx, o.heightPx, kMaxSidePx);
     if (o.fullFrames < 4) return fail(Code::InvalidArgument, "{} full-body frames: at least 4 are needed", o.fullFrames);
@@ -168,7 +165,7 @@ Status makeSampleScan(const fs::path& folder, const SampleScanOptions& o, Jobs& 
     fs::remove_all(temporary, error);
     fs::create_directories(temporary, error);
     if (error) return fail(Code::Io, "cannot create {}: {}", temporary.string(), error.message());
-    Status status = writeAll(temporary, o, jobs, progress);
+    Status status = writeAll(temporary, o, jobs);
     if (status) {
         fs::remove(plain, error);  // an empty folder of that name may exist
         fs::rename(temporary, plain, error);

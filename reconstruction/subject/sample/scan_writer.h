@@ -4,7 +4,6 @@
 
 #include <cstdint>
 #include <filesystem>
-#include <functional>
 #include <string>
 
 #include "sdk/core/jobs.h"
@@ -34,14 +33,10 @@ struct SampleScanOptions {
     }
 };
 
-/** Called with a share in [0, 1] from any thread of the pool, never two calls at once. Return false to stop with Code::Cancelled. */
-using SampleProgress = std::function<bool(double share, const std::string& what)>;
-
 /** Writes scan.json, truth.json, images/, masks/, labels/, keypoints/, geometry/, posed/ and hires/ into `folder`, which must be new or
  *  empty. Files are written to a neighbouring folder FOLDER.partial, which is renamed at the end or removed after an error. The same
  * options give the same bytes for any thread count. InvalidArgument: options out of range (the message states the range) or a folder in
- * use. Io: names the path that failed. */
-Status makeSampleScan(const std::filesystem::path& folder, const SampleScanOptions& options, Jobs& jobs,
-                      const SampleProgress& progress = {});
+ * use. Io: names the path that failed. Cancelled. */
+Status makeSampleScan(const std::filesystem::path& folder, const SampleScanOptions& options, Jobs& jobs);
 
 }  // namespace dpl

@@ -11,6 +11,7 @@
 #include "reconstruction/subject/surface/contours.h"
 #include "reconstruction/subject/surface/mesh_raster.h"
 #include "reconstruction/subject/surface/priors.h"
+#include "sdk/core/task.h"
 #include "sdk/format/check_mesh.h"
 #include "sdk/math/merge_vertices.h"
 #include "sdk/math/skinning.h"
@@ -197,8 +198,7 @@ public:
             const double length = settings_.startSmoothingM * std::pow(settings_.endSmoothingM / settings_.startSmoothingM, t);
             DPL_TRY(const LargeSteps smooth, LargeSteps::create(mesh_.restPositions, mesh_.triangles, length));
             for (uint32_t round = 0; round < settings_.roundsPerLevel; ++round, ++fit.rounds) {
-                if (settings_.progress && !settings_.progress(double(fit.rounds) / total))
-                    return fail(Code::Cancelled, "surface fit cancelled");
+                DPL_RETURN_IF_ERROR(taskAt(double(fit.rounds) / total, formatText("{} silhouettes", views_.size())));
                 step(smooth, settings_.maxSwayM > 0 && 2 * level >= settings_.levels);
             }
         }

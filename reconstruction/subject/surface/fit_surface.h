@@ -9,7 +9,6 @@
 // a small translation of its own, because the subject sways by a centimetre between pictures. docs/reference/registration.md
 #pragma once
 
-#include <functional>
 #include <span>
 #include <vector>
 
@@ -29,10 +28,9 @@ struct SurfaceView {
 struct SurfaceFitSettings {
     double startSmoothingM = priors::kStartSmoothingM, endSmoothingM = priors::kEndSmoothingM;  // of the first and the last level
     uint32_t levels = 8, roundsPerLevel = 4;
-    double maxOffsetM = priors::kMaxOffsetM;        // length limit of an offset
-    double maxStepM = 0.04;                         // length limit of one round's step
-    double maxSwayM = priors::kMaxViewSwayM;        // length limit of a view's own translation; 0 switches it off
-    std::function<bool(double fraction)> progress;  // false cancels; may be empty
+    double maxOffsetM = priors::kMaxOffsetM;  // length limit of an offset
+    double maxStepM = 0.04;                   // length limit of one round's step
+    double maxSwayM = priors::kMaxViewSwayM;  // length limit of a view's own translation; 0 switches it off
 };
 
 struct SurfaceFit {

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <cstdio>
 #include <numeric>
 
 #include "reconstruction/training/trainer/co_optimise_state.h"
@@ -13,6 +14,7 @@
 #include "reconstruction/training/trainer/seen_backs.h"
 #include "reconstruction/training/trainer/still_vertices.h"
 #include "sdk/core/evenly_spaced.h"
+#include "sdk/core/task.h"
 #include "sdk/format/avatar_file.h"
 #include "sdk/format/check_mesh.h"
 
@@ -377,20 +379,20 @@ CurvePoint CoOptimiser::State::recentPoint() const {
     return p;
 }
 
-Status CoOptimiser::run(const std::function<void(const CoOptimiseProgress&)>& progress, const std::atomic<bool>* cancel, uint32_t maxSteps,
-                        uint32_t reportEvery) {
+std::string CoOptimiser::State::told() const {
+    const CurvePoint recent = learned.sums.steps > 0 || learned.curve.empty() ? recentPoint() : learned.curve.back();
+    char line[96];
+    std::snprintf(line, sizeof line, "step %u of %u, %u splats, scale %.2f, %.1f dB", learned.step, settings.steps,
+                  learned.layer.splats.count(), double(levels.scaleOf(usedFrames[0])), double(recent.psnr));
+    return line;
+}
+
+Status CoOptimiser::run(uint32_t maxSteps) {
     State& s = *state_;
     const Learned& now = s.learned;
     for (uint32_t done = 0; now.step < s.settings.steps && done < maxSteps; ++done) {
-        if (cancel && cancel->load()) return fail(Code::Cancelled, "training was stopped at step {} of {}", now.step, s.settings.steps);
+        DPL_RETURN_IF_ERROR(taskAt(double(now.step) / s.settings.steps, s.told()));
         DPL_RETURN_IF_ERROR(s.stepOnce());
-        if (progress && (now.step % std::max(1u, reportEvery) == 0 || now.step == s.settings.steps)) {
-            CoOptimiseProgress p;
-            p.step = now.step, p.steps = s.settings.steps, p.splats = now.layer.splats.count();
-            p.scale = s.levels.scaleOf(s.usedFrames[0]);
-            p.recent = now.sums.steps > 0 || now.curve.empty() ? s.recentPoint() : now.curve.back();
-            progress(p);
-        }
     }
     return {};
 }

@@ -6,9 +6,7 @@
 // of threads; it depends on the input, the settings and their seed only.
 #pragma once
 
-#include <atomic>
 #include <filesystem>
-#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -73,12 +71,6 @@ struct CurvePoint {
     uint32_t splats = 0;
 };
 
-struct CoOptimiseProgress {
-    uint32_t step = 0, steps = 0, splats = 0;
-    float scale = 1;  // of the current level
-    CurvePoint recent;
-};
-
 /** Speed of training steps, as means over the last epoch. The avatar does not depend on it. */
 struct StepProfile {
     uint32_t steps = 0;
@@ -108,10 +100,8 @@ public:
                                                            const CoOptimiseSettings& settings, Jobs& jobs);
     ~CoOptimiser();
 
-    /** Steps until the end, or for maxSteps steps. Calls progress (may be empty) after every `reportEvery` steps. Returns Cancelled when
-     *  *cancel turns true; another run() continues. */
-    Status run(const std::function<void(const CoOptimiseProgress&)>& progress = {}, const std::atomic<bool>* cancel = nullptr,
-               uint32_t maxSteps = ~0u, uint32_t reportEvery = 25);
+    /** Steps until the end, or for maxSteps steps. Cancelled: the task of this thread was; another run() continues. */
+    Status run(uint32_t maxSteps = ~0u);
     bool finished() const;
     uint32_t step() const;
 

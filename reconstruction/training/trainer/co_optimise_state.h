@@ -63,6 +63,7 @@ struct CoOptimiser::State {
     void updateCorrectives();
     float decay(float end) const;
     CurvePoint recentPoint() const;
+    std::string told() const;      // for people: how far it is
     uint64_t fingerprint() const;  // hash of input and settings, to refuse a checkpoint of another run
 };
 

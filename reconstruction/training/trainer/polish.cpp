@@ -22,11 +22,10 @@ CoOptimiseSettings polishSettings(uint32_t steps, uint64_t seed, uint32_t shDegr
 }
 
 Result<AvatarData> polish(AvatarData avatar, std::vector<uint8_t> triangleLabel, std::vector<TrainFrame> frames, uint32_t steps,
-                          uint64_t seed, Jobs& jobs, const std::function<void(const CoOptimiseProgress&)>& progress,
-                          const std::atomic<bool>* cancel) {
+                          uint64_t seed, Jobs& jobs) {
     DPL_TRY(auto trainer, CoOptimiser::createFrom(inputOf(avatar, std::move(triangleLabel), std::move(frames)), avatar.splats,
                                                   polishSettings(steps, seed, avatar.splats.shDegree), jobs));
-    DPL_RETURN_IF_ERROR(trainer->run(progress, cancel));
+    DPL_RETURN_IF_ERROR(trainer->run());
     avatar.splats = trainer->result().splats;
     return avatar;
 }

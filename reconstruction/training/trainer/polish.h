@@ -12,10 +12,9 @@ namespace dpl {
 CoOptimiseSettings polishSettings(uint32_t steps, uint64_t seed, uint32_t shDegree);
 
 /** Polishes the splats of a decoded avatar on its own mesh. triangleLabel: as in CoOptimiseInput. The poses are those of `frames`. Keeps
- * the order of the splats. Returns Cancelled when *cancel turns true. */
+ * the order of the splats. Errors: Cancelled. */
 Result<AvatarData> polish(AvatarData avatar, std::vector<uint8_t> triangleLabel, std::vector<TrainFrame> frames, uint32_t steps,
-                          uint64_t seed, Jobs& jobs, const std::function<void(const CoOptimiseProgress&)>& progress = {},
-                          const std::atomic<bool>* cancel = nullptr);
+                          uint64_t seed, Jobs& jobs);
 
 struct PoseFitSettings {
     uint32_t iterations = 80;

@@ -18,7 +18,6 @@ CoOptimiseSettings retrainSettings(const CoOptimiseSettings& trained, const Retr
 /** Trains an avatar on. triangleLabel: as in CoOptimiseInput. The poses of `frames` are those that it was trained with. Splats keep their
  * number. The result does not depend on the number of threads. Returns Cancelled when *cancel turns true. */
 Result<AvatarData> retrain(AvatarData avatar, std::vector<uint8_t> triangleLabel, std::vector<TrainFrame> frames,
-                           const CoOptimiseSettings& settings, Jobs& jobs,
-                           const std::function<void(const CoOptimiseProgress&)>& progress = {}, const std::atomic<bool>* cancel = nullptr);
+                           const CoOptimiseSettings& settings, Jobs& jobs);
 
 }  // namespace dpl

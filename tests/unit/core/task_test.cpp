@@ -27,6 +27,24 @@ TEST(Task, partsNestAndProgressNeverFalls) {
     EXPECT_EQ(task.progress(), 1);
 }
 
+TEST(Task, hearsWhatIsDoneWithTheShareOfTheWhole) {
+    struct Listener : Task {
+        std::vector<std::pair<double, std::string>> heard;
+        void hear(double share, std::string_view doing) override { heard.emplace_back(share, doing); }
+    } whole, inner;
+    const TaskScope scope(&whole);
+    const TaskPart half(0.5, 1);
+    EXPECT_TRUE(taskAt(0.25)) << "nothing to tell";
+    EXPECT_TRUE(taskAt(0.5, "frame 3"));
+    {
+        const TaskScope nested(&inner);
+        EXPECT_TRUE(taskAt(0.5, "on its own"));
+    }
+    EXPECT_TRUE(taskAt(1, "done"));
+    EXPECT_EQ(whole.heard, (std::vector<std::pair<double, std::string>>{{0.75, "frame 3"}, {1, "done"}}));
+    EXPECT_EQ(inner.heard, (std::vector<std::pair<double, std::string>>{{0.5, "on its own"}})) << "the part around it is another task's";
+}
+
 TEST(Task, cancellingIsSeenByTheThreadOfTheTaskAlone) {
     Task task;
     EXPECT_TRUE(taskAt(0.5)) << "no task";

@@ -12,6 +12,7 @@
 #include "reconstruction/subject/body/landmark_offsets.h"
 #include "reconstruction/subject/body/swapped_sides.h"
 #include "small_body.h"
+#include "tests/unit/heard_task.h"
 
 namespace dpl {
 namespace {
@@ -239,9 +240,9 @@ TEST(FitBody, estimatesTheNoiseOfTheDetector) {
 
 TEST(FitBody, cancelsWithItsOwnCode) {
     const Made m = make(3, 1, /*movingFrames=*/0);
-    BodyFitSettings settings;
-    settings.progress = [](double, std::string_view) { return false; };
-    const auto fit = fitBody(m.body, m.scan, m.keypoints, settings);
+    test::HeardTask cancelled(1);
+    const TaskScope scope(&cancelled);
+    const auto fit = fitBody(m.body, m.scan, m.keypoints, {});
     ASSERT_FALSE(fit);
     EXPECT_EQ(fit.error().code, Code::Cancelled);
 }

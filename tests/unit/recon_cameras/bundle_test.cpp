@@ -10,6 +10,7 @@
 #include "reconstruction/input/cameras/align_cameras.h"
 #include "reconstruction/input/cameras/bundle_cost.h"
 #include "sdk/core/percentile.h"
+#include "tests/unit/heard_task.h"
 #include "tests/unit/recon_cameras/made_cameras.h"
 
 namespace dpl {
@@ -177,8 +178,9 @@ TEST(Bundle, scenesThatSayTooLittleAreRefused) {
     EXPECT_TRUE(refused([](BundleScene& s, BundleSettings&) {
         for (Camerad& c : s.cameras) c.viewFromWorldTranslation.z -= 100;  // everything lies behind
     }));
-    std::atomic<bool> cancel{true};
-    EXPECT_TRUE(refused([&](BundleScene&, BundleSettings& t) { t.cancel = &cancel; }));
+    test::HeardTask cancelled(0);
+    const TaskScope scope(&cancelled);
+    EXPECT_TRUE(refused([](BundleScene&, BundleSettings&) {}));
 }
 
 }  // namespace

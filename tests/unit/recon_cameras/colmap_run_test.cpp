@@ -2,6 +2,7 @@
 // COLMAP is called as its manual says, its answers are read, and its failures become sentences. A script stands in for COLMAP, so these
 // tests need none; tools/prove-cameras runs the real one.
 #include "reconstruction/input/cameras/colmap_run.h"
+#include "tests/unit/heard_task.h"
 
 #include <gtest/gtest.h>
 #include <unistd.h>
@@ -118,10 +119,9 @@ TEST_F(ColmapStandIn, missingColmapIsNamedWithItsRemedy) {
 
 TEST_F(ColmapStandIn, cancelStopsAtOnce) {
     standIn("sleep 60");
-    std::atomic<bool> cancel{true};
-    ColmapRun run = this->run();
-    run.cancel = &cancel;
-    const auto images = runColmap(run);
+    test::HeardTask cancelled(0);
+    const TaskScope scope(&cancelled);
+    const auto images = runColmap(this->run());
     ASSERT_FALSE(images);
     EXPECT_EQ(images.error().code, Code::Cancelled);
 }

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "reconstruction/input/cameras/align_cameras.h"
+#include "tests/unit/heard_task.h"
 #include "tests/unit/recon_cameras/made_cameras.h"
 
 namespace dpl {
@@ -149,11 +150,12 @@ TEST(StillModel, picturesWithoutParallaxGiveNoPoints) {
 
 TEST(StillModel, stopsWhenAsked) {
     const Room room(0);
-    TrackSettings settings;
-    settings.progress = [](double) { return false; };
-    const auto tracks = findTracks(room.stills, kLens, settings);
+    test::HeardTask cancelled(1);
+    const TaskScope scope(&cancelled);
+    const auto tracks = findTracks(room.stills, kLens, {});
     ASSERT_FALSE(tracks);
     EXPECT_EQ(tracks.error().code, Code::Cancelled);
+    EXPECT_EQ(cancelled.heard.size(), 1u);
 }
 
 }  // namespace

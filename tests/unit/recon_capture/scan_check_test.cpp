@@ -6,6 +6,7 @@
 #include <functional>
 
 #include "reconstruction/input/capture/silhouettes.h"
+#include "tests/unit/heard_task.h"
 #include "tests/unit/recon_capture/scan_builder.h"
 #include "tests/unit/shared_data.h"
 
@@ -213,14 +214,17 @@ TEST(ScanCheck, stopsAtThePictureAtWhichItIsCancelled) {
     const auto scan = readScan(a.builder.write());
     ASSERT_TRUE(scan);
     Jobs jobs(1);
-    size_t calls = 0;
-    const auto stopped = checkScan(*scan, jobs, [&](double) { return ++calls < 3; });
-    ASSERT_FALSE(stopped);
-    EXPECT_EQ(stopped.error().code, Code::Cancelled);
-    EXPECT_EQ(calls, 3u) << "of " << scan->frames.size() << " pictures";
-    double last = 0;
-    ASSERT_TRUE(checkScan(*scan, jobs, [&](double share) { return last = share, true; }));
-    EXPECT_EQ(last, 1.0);
+    test::HeardTask stopping(3), whole;
+    {
+        const TaskScope scope(&stopping);
+        const auto stopped = checkScan(*scan, jobs);
+        ASSERT_FALSE(stopped);
+        EXPECT_EQ(stopped.error().code, Code::Cancelled);
+    }
+    EXPECT_EQ(stopping.heard.size(), 3u) << "of " << scan->frames.size() << " pictures";
+    const TaskScope scope(&whole);
+    ASSERT_TRUE(checkScan(*scan, jobs));
+    EXPECT_EQ(whole.heard.back().first, 1.0);
 }
 
 TEST(ScanCheck, camerasThatBelongToOtherPicturesAreRefused) {

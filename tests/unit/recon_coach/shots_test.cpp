@@ -70,7 +70,7 @@ protected:
         return out;
     }
     static std::vector<SeenTriangle> mapOf(const std::vector<PosedPicture>& of) {
-        return must(mapBody(subject_->mesh, subject_->joints, of, {}, *jobs_));
+        return must(mapBody(subject_->mesh, subject_->joints, of, *jobs_));
     }
     static FilmAgain advise(const std::vector<PosedPicture>& of) {
         return bestShots(subject_->mesh, subject_->joints, places_, mapOf(of), of, *jobs_);

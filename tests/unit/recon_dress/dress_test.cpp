@@ -17,6 +17,7 @@
 #include "sdk/core/files.h"
 #include "sdk/format/avatar_file.h"
 #include "sdk/math/sh.h"
+#include "tests/unit/heard_task.h"
 #include "tests/unit/recon_dress/cut_layer.h"
 
 namespace dpl {
@@ -84,7 +85,7 @@ LayerPart partOf(const AvatarData& avatar, const std::string& name) {
 
 Dressed dress(const NamedAvatar& wearer, const std::vector<Garment>& garments, uint32_t threads = 2) {
     Jobs jobs(threads);
-    auto dressed = dressAvatar(wearer, garments, {}, jobs);
+    auto dressed = dressAvatar(wearer, garments, jobs);
     EXPECT_TRUE(bool(dressed)) << (dressed ? "" : dressed.error().message);
     return dressed ? std::move(*dressed) : Dressed{};
 }
@@ -97,7 +98,7 @@ const Dressed& exchanged() {
 
 std::string refusal(const NamedAvatar& wearer, const std::vector<Garment>& garments) {
     Jobs jobs(1);
-    const auto dressed = dressAvatar(wearer, garments, {}, jobs);
+    const auto dressed = dressAvatar(wearer, garments, jobs);
     EXPECT_FALSE(bool(dressed));
     return dressed ? "" : dressed.error().message;
 }
@@ -264,8 +265,9 @@ TEST(Dress, refusesWhatItCannotFitAndNamesTheFile) {
 
 TEST(Dress, aCancelledRunSaysSo) {
     Jobs jobs(1);
-    const auto stopped = dressAvatar(
-        first(), std::vector<Garment>{{"top", &second()}}, [](double, const std::string&) { return false; }, jobs);
+    test::HeardTask task(1);
+    const TaskScope scope(&task);
+    const auto stopped = dressAvatar(first(), std::vector<Garment>{{"top", &second()}}, jobs);
     ASSERT_FALSE(bool(stopped));
     EXPECT_EQ(stopped.error().code, Code::Cancelled);
 }
@@ -302,11 +304,11 @@ TEST(Dress, filesAreNamedInErrorsAndThreadsChangeNothing) {
     const std::string text = "no avatar";
     ASSERT_TRUE(bool(writeFileAtomically(folder / "b.glb", std::vector<uint8_t>(text.begin(), text.end()))));
     Jobs jobs(1);
-    const auto wrong = dressFiles(folder / "a.glb", std::vector<GarmentFile>{{"top", folder / "b.glb"}}, {}, jobs);
+    const auto wrong = dressFiles(folder / "a.glb", std::vector<GarmentFile>{{"top", folder / "b.glb"}}, jobs);
     ASSERT_FALSE(bool(wrong));
     EXPECT_NE(wrong.error().message.find("b.glb"), std::string::npos) << wrong.error().message;
     const NamedAvatar lender{(folder / "a.glb").string(), shiny};
-    const auto right = dressFiles(folder / "a.glb", std::vector<GarmentFile>{{"hair", folder / "a.glb"}}, {}, jobs);
+    const auto right = dressFiles(folder / "a.glb", std::vector<GarmentFile>{{"hair", folder / "a.glb"}}, jobs);
     ASSERT_TRUE(bool(right)) << right.error().message;
     AvatarData dressed = dress(lender, {{"hair", &lender}}, 3).avatar;
     const auto palette = paletteSh(dressed.splats, kAvatarPalette, jobs);

@@ -97,7 +97,7 @@ std::vector<uint8_t> frontView(const AvatarData& avatar, const FaceOval& oval) {
 
 Dressed putOn(const NamedAvatar& wearer, const std::vector<Garment>& garments) {
     Jobs jobs(2);
-    auto dressed = dressAvatar(wearer, garments, {}, jobs);
+    auto dressed = dressAvatar(wearer, garments, jobs);
     EXPECT_TRUE(bool(dressed)) << (dressed ? "" : dressed.error().message);
     return dressed ? std::move(*dressed) : Dressed{};
 }

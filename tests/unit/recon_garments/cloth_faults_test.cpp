@@ -5,6 +5,7 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/unit/heard_task.h"
 #include "tests/unit/must.h"
 
 namespace dpl::test {
@@ -71,7 +72,7 @@ TEST(Penetration, nothingLiesInsideWithoutGarmentsOrPoses) {
 
 ClothFaults faultsOf(const AvatarData& avatar, const Pose& pose) {
     Jobs jobs(2);
-    return must(clothFaults(avatar, std::span(&pose, 1), {}, jobs));
+    return must(clothFaults(avatar, std::span(&pose, 1), jobs));
 }
 
 /** The coat made 26 cm wide, so that it covers the body within reach. */
@@ -118,11 +119,12 @@ TEST(ClothFaults, theWorstPoseIsNamedAndACancelledRunSaysSo) {
     in.localRotations[1] = glm::angleAxis(0.9f, Vec3f(0, 1, 0));
     const std::vector<Pose> poses{out, in, out};
     Jobs jobs(2);
-    const ClothFaults faults = must(clothFaults(avatar, poses, {}, jobs));
+    const ClothFaults faults = must(clothFaults(avatar, poses, jobs));
     EXPECT_GT(faults.penetration, 0);
     EXPECT_EQ(faults.worstPose, 1u);
-    const auto cancelled = clothFaults(
-        avatar, poses, [](double) { return false; }, jobs);
+    test::HeardTask task(1);
+    const TaskScope scope(&task);
+    const auto cancelled = clothFaults(avatar, poses, jobs);
     ASSERT_FALSE(cancelled);
     EXPECT_EQ(cancelled.error().code, Code::Cancelled);
 }

@@ -12,6 +12,7 @@
 
 #include "modelled_person.h"
 #include "reconstruction/subject/shape/closest_surface.h"
+#include "tests/unit/heard_task.h"
 
 namespace dpl {
 namespace {
@@ -61,7 +62,7 @@ Result<GarmentFit> dress(std::span<const GarmentView> views, std::span<const Sca
     const auto rig = joints();
     const std::vector<Vec3f> offsets(body().restPositions.size(), Vec3f(0));
     Jobs jobs(threads);
-    return makeClothedMesh({body(), rig, offsets, views, {}, names}, {}, jobs);
+    return makeClothedMesh({body(), rig, offsets, views, {}, names}, jobs);
 }
 
 const GarmentFit& plainFit() {
@@ -202,7 +203,7 @@ TEST(ClothedMesh, withoutLabelsTheBodyIsTheOnlyLayer) {
     };
     for (const Case& c : {Case{unlabelled, labels(), "has labels"}, Case{plainShots(), none, "no clothing labels"},
                           Case{one, labels(), "too few"}, Case{blank, labels(), "no common shape"}, Case{{}, labels(), "has labels"}}) {
-        const auto fit = makeClothedMesh({body(), rig, offsets, c.views, {}, c.names}, {}, jobs);
+        const auto fit = makeClothedMesh({body(), rig, offsets, c.views, {}, c.names}, jobs);
         ASSERT_TRUE(fit) << fit.error().message;
         EXPECT_NE(fit->summary.find(c.says), std::string::npos) << fit->summary;
         for (const GarmentDecision& decision : fit->decisions)
@@ -219,7 +220,7 @@ TEST(ClothedMesh, refusesWhatDoesNotFit) {
     const auto names = labels();
     std::vector<Vec3f> offsets(body().restPositions.size(), Vec3f(0));
     const auto code = [&](const std::vector<GarmentView>& views) {
-        const auto fit = makeClothedMesh({body(), rig, offsets, views, {}, names}, {}, jobs);
+        const auto fit = makeClothedMesh({body(), rig, offsets, views, {}, names}, jobs);
         return fit ? Code::Internal : fit.error().code;
     };
     std::vector<GarmentView> views(plainShots().begin(), plainShots().begin() + 2);
@@ -236,8 +237,9 @@ TEST(ClothedMesh, refusesWhatDoesNotFit) {
     offsets.pop_back();
     EXPECT_EQ(code(plainShots()), Code::InvalidArgument);
     offsets.assign(body().restPositions.size(), Vec3f(0));
-    const auto cancelled = makeClothedMesh(
-        {body(), rig, offsets, plainShots(), {}, names}, [](double) { return false; }, jobs);
+    test::HeardTask task(1);
+    const TaskScope scope(&task);
+    const auto cancelled = makeClothedMesh({body(), rig, offsets, plainShots(), {}, names}, jobs);
     ASSERT_FALSE(cancelled);
     EXPECT_EQ(cancelled.error().code, Code::Cancelled);
 }

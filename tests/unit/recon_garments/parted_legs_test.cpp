@@ -65,7 +65,7 @@ Result<GarmentFit> dressed(bool skirt, float strideDegrees, float movingHemY = k
     const std::vector<Vec3f> offsets(body().restPositions.size(), Vec3f(0));
     Jobs jobs(2);
     const auto rig = joints();
-    return makeClothedMesh({body(), rig, offsets, still, moving, labels}, {}, jobs);
+    return makeClothedMesh({body(), rig, offsets, still, moving, labels}, jobs);
 }
 
 /** Triangles of the bottom that join the legs, well below the crotch, and the longest stretch of an edge there in a stride. */

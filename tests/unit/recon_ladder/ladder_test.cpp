@@ -26,7 +26,7 @@ protected:
     }
     /** The cell of a rung and a group. */
     LadderCell cell(const std::string& rung, FrameKind kind, Split split) {
-        auto ladder = measureLadder({toy_.table.scan, toy_.metric.cameras, toy_.avatar, poses_, {}}, toy_.jobs);
+        auto ladder = measureLadder({toy_.table.scan, toy_.metric.cameras, toy_.avatar, poses_}, toy_.jobs);
         if (!ladder) throw std::runtime_error(ladder.error().message);
         for (const LadderRung& r : (*ladder)->rungs)
             for (size_t g = 0; g < (*ladder)->groups.size(); ++g)
@@ -88,7 +88,7 @@ TEST_F(LadderTest, garmentsAreComparedWithAndWithoutPoseCorrectives) {
     posed.pose({avatar.joints, mesh, avatar.correctives, restTriangles(mesh)}, toy_.truth[kMoving], toy_.jobs);
     mustWrite(toy_.table.scan.root / "posed" / (toy_.table.scan.frames[kMoving].name + ".bin"),
               floatsOf({posed.positions().begin(), posed.positions().end()}));
-    const auto ladder = must(measureLadder({toy_.table.scan, toy_.metric.cameras, avatar, poses_, {}}, toy_.jobs));
+    const auto ladder = must(measureLadder({toy_.table.scan, toy_.metric.cameras, avatar, poses_}, toy_.jobs));
     ASSERT_TRUE(ladder);
     ASSERT_EQ(ladder->garments.size(), 2u);
     const GarmentRow& row = ladder->garments[0];
@@ -108,14 +108,14 @@ TEST_F(LadderTest, aRungThatDoesNotApplyIsEmpty) {
 
 TEST_F(LadderTest, aScanWithoutTruthHasNone) {
     std::filesystem::remove_all(toy_.table.scan.root / "geometry");
-    const auto ladder = measureLadder({toy_.table.scan, toy_.metric.cameras, toy_.avatar, poses_, {}}, toy_.jobs);
+    const auto ladder = measureLadder({toy_.table.scan, toy_.metric.cameras, toy_.avatar, poses_}, toy_.jobs);
     ASSERT_TRUE(ladder) << ladder.error().message;
     EXPECT_FALSE(*ladder);
 }
 
 TEST_F(LadderTest, posesOfAnotherScanAreRefused) {
     poses_.frames.pop_back();
-    EXPECT_FALSE(measureLadder({toy_.table.scan, toy_.metric.cameras, toy_.avatar, poses_, {}}, toy_.jobs));
+    EXPECT_FALSE(measureLadder({toy_.table.scan, toy_.metric.cameras, toy_.avatar, poses_}, toy_.jobs));
 }
 
 }  // namespace

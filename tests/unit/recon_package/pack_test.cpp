@@ -11,6 +11,7 @@
 #include "sdk/format/avatar_file.h"
 #include "sdk/math/sh.h"
 #include "tests/unit/format/sample_correctives.h"
+#include "tests/unit/heard_task.h"
 #include "tests/unit/render/tube_avatar.h"
 
 namespace dpl {
@@ -127,15 +128,11 @@ TEST(PackPictures, equalAvatarsHaveNoErrorAndImportantSplatsCauseMost) {
     EXPECT_GT(without(most), 20 * without(least));
 }
 
-Status quietly(double, const std::string&) {
-    return {};
-}
-
 TEST(Pack, meetsASizeAndStaysOnTheCurve) {
     const AvatarData a = codedTube({.splatsPerTriangle = 6, .rings = 10, .shDegree = 2, .colourSpread = 0.3f}, true);
     const uint64_t whole = writeAvatar(a)->size();
     Jobs jobs(2);
-    auto packed = packToLimits(a, {.maxBytes = whole * 6 / 10}, {.pictures = 6}, jobs, quietly);
+    auto packed = packToLimits(a, {.maxBytes = whole * 6 / 10}, {.pictures = 6}, jobs);
     ASSERT_TRUE(packed) << packed.error().message;
     EXPECT_LE(packed->file.size(), whole * 6 / 10);
     ASSERT_GE(packed->curve.size(), 2u);
@@ -146,7 +143,7 @@ TEST(Pack, meetsASizeAndStaysOnTheCurve) {
     const PackPictures pictures(a, 6, 1, jobs);
     EXPECT_NEAR(pictures.compare(back).psnrDb(), packed->curve.back().psnrDb, 1e-9);
     EXPECT_EQ(back.evidence.back().part, "packed");
-    auto again = packToLimits(a, {.maxBytes = whole * 6 / 10}, {.pictures = 6}, jobs, quietly);
+    auto again = packToLimits(a, {.maxBytes = whole * 6 / 10}, {.pictures = 6}, jobs);
     EXPECT_TRUE(again && again->file == packed->file) << "same seed, same bytes";
 }
 
@@ -158,8 +155,7 @@ TEST(Pack, aFileWithAPaletteStartsAsItIsAndItsPaletteShrinks) {
     ASSERT_TRUE(file) << file.error().message;
     const auto decoded = readAvatar(*file);
     ASSERT_TRUE(decoded) << decoded.error().message;
-    const auto packed = packToLimits(*decoded, {.maxBytes = file->size() * 40 / 100}, {.seed = 1, .pictures = 4}, jobs,
-                                     [](double, const std::string&) { return Status(); });
+    const auto packed = packToLimits(*decoded, {.maxBytes = file->size() * 40 / 100}, {.seed = 1, .pictures = 4}, jobs);
     ASSERT_TRUE(packed) << packed.error().message;
     EXPECT_EQ(packed->curve[0].bytes, file->size());
     EXPECT_EQ(packed->curve[0].shEntries, rowsOf(avatar.splats).size());
@@ -169,7 +165,7 @@ TEST(Pack, aFileWithAPaletteStartsAsItIsAndItsPaletteShrinks) {
 TEST(Pack, entropyCodesFirstThenTakesBitsAndAPackedFileGoesOnFromThere) {
     const AvatarData a = codedTube({.splatsPerTriangle = 8, .rings = 20, .shDegree = 0, .colourSpread = 0.3f});
     Jobs jobs(2);
-    auto packed = packToLimits(a, {.minPsnrDb = 44}, {.pictures = 4}, jobs, quietly);
+    auto packed = packToLimits(a, {.minPsnrDb = 44}, {.pictures = 4}, jobs);
     ASSERT_TRUE(packed) << packed.error().message;
     ASSERT_GE(packed->curve.size(), 4u);
     EXPECT_FALSE(packed->curve[0].compact);
@@ -182,7 +178,7 @@ TEST(Pack, entropyCodesFirstThenTakesBitsAndAPackedFileGoesOnFromThere) {
     EXPECT_EQ(info.bits, packed->curve.back().bits);
     // Packing the result again starts at its own size and bits, and then takes more bits away.
     const AvatarData again = *readAvatar(packed->file);
-    auto further = packToLimits(again, {.minPsnrDb = 40}, {.pictures = 4, .compact = true}, jobs, quietly);
+    auto further = packToLimits(again, {.minPsnrDb = 40}, {.pictures = 4, .compact = true}, jobs);
     ASSERT_TRUE(further) << further.error().message;
     EXPECT_EQ(further->curve[0].bytes, packed->file.size());
     EXPECT_EQ(further->curve[0].bits, info.bits);
@@ -193,8 +189,8 @@ TEST(Pack, entropyCodesFirstThenTakesBitsAndAPackedFileGoesOnFromThere) {
 TEST(Pack, goesAsFarAsTheLossAllows) {
     const AvatarData a = codedTube();
     Jobs jobs(2);
-    auto strict = packToLimits(a, {.minPsnrDb = 42}, {.pictures = 6}, jobs, quietly),
-         loose = packToLimits(a, {.minPsnrDb = 30}, {.pictures = 6}, jobs, quietly);
+    auto strict = packToLimits(a, {.minPsnrDb = 42}, {.pictures = 6}, jobs),
+         loose = packToLimits(a, {.minPsnrDb = 30}, {.pictures = 6}, jobs);
     ASSERT_TRUE(strict && loose);
     EXPECT_GE(strict->curve.back().psnrDb, 42);
     EXPECT_GE(loose->curve.back().psnrDb, 30);
@@ -206,16 +202,17 @@ TEST(Pack, goesAsFarAsTheLossAllows) {
 TEST(Pack, statesTheNearestResultWhenLimitsCannotBeMet) {
     const AvatarData a = codedTube({.splatsPerTriangle = 2, .rings = 6, .shDegree = 1});
     Jobs jobs(2);
-    auto tooSmall = packToLimits(a, {.maxBytes = 1000}, {.pictures = 4}, jobs, quietly);
+    auto tooSmall = packToLimits(a, {.maxBytes = 1000}, {.pictures = 4}, jobs);
     ASSERT_FALSE(tooSmall);
     EXPECT_EQ(int(tooSmall.error().code), int(Code::InvalidArgument));
     EXPECT_NE(tooSmall.error().message.find("the smallest"), std::string::npos) << tooSmall.error().message;
-    auto both = packToLimits(a, {.maxBytes = 1000, .minPsnrDb = 40}, {.pictures = 4}, jobs, quietly);
+    auto both = packToLimits(a, {.maxBytes = 1000, .minPsnrDb = 40}, {.pictures = 4}, jobs);
     ASSERT_FALSE(both);
     EXPECT_NE(both.error().message.find("the nearest"), std::string::npos) << both.error().message;
-    EXPECT_FALSE(packToLimits(a, {}, {}, jobs, quietly));
-    auto stopped = packToLimits(a, {.minPsnrDb = 40}, {.pictures = 4}, jobs,
-                                [](double, const std::string&) { return Status(fail(Code::Cancelled, "stopped")); });
+    EXPECT_FALSE(packToLimits(a, {}, {}, jobs));
+    test::HeardTask task(1);
+    const TaskScope scope(&task);
+    auto stopped = packToLimits(a, {.minPsnrDb = 40}, {.pictures = 4}, jobs);
     ASSERT_FALSE(stopped);
     EXPECT_EQ(int(stopped.error().code), int(Code::Cancelled));
 }

@@ -7,6 +7,7 @@
 
 #include "reconstruction/subject/body/priors.h"
 #include "reconstruction/subject/registration/priors.h"
+#include "tests/unit/heard_task.h"
 #include "tests/unit/recon_registration/painted_scene.h"
 
 namespace dpl::test {
@@ -173,17 +174,23 @@ TEST(RegisterFrames, searchTellsItsProgressAndCanBeStopped) {
     input.searchLimbs = true;
     RegisterSettings settings;
     settings.blursPx = {4, 2, 1}, settings.roundsPerBlur = 1;
+    constexpr const char* kSearch = "limbs at other depths";
+    test::HeardTask whole;
+    {
+        const TaskScope scope(&whole);
+        ASSERT_TRUE(registerFrames(input, settings, scene.jobs));
+    }
     double last = 0;
-    int searching = 0;
-    settings.progress = [&](double fraction, std::string_view what) {
-        EXPECT_GE(fraction, last) << what;
-        last = fraction, searching += what == "limbs at other depths";
-        return true;
-    };
-    ASSERT_TRUE(registerFrames(input, settings, scene.jobs));
-    EXPECT_GT(searching, 0);
+    size_t before = 0;  // the search
+    for (const auto& [share, doing] : whole.heard) {
+        EXPECT_GE(share, last) << doing;
+        last = share;
+    }
     EXPECT_LE(last, 1);
-    settings.progress = [](double, std::string_view what) { return what != "limbs at other depths"; };
+    while (before < whole.heard.size() && whole.heard[before].second != kSearch) ++before;
+    ASSERT_LT(before, whole.heard.size());
+    test::HeardTask stopping(before + 1);
+    const TaskScope scope(&stopping);
     const auto stopped = registerFrames(input, settings, scene.jobs);
     ASSERT_FALSE(stopped);
     EXPECT_EQ(stopped.error().code, Code::Cancelled);

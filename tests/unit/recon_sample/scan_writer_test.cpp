@@ -13,6 +13,7 @@
 #include <set>
 
 #include "reconstruction/input/capture/scan.h"
+#include "tests/unit/heard_task.h"
 
 namespace dpl {
 namespace {
@@ -208,7 +209,9 @@ TEST(SampleScan, refusesAFolderInUseAndLeavesNothingWhenStopped) {
     EXPECT_TRUE(fs::exists(used / "thesis.txt"));
 
     const fs::path stopped = scratch() / "stopped";
-    const Status cancelled = makeSampleScan(stopped, tiny(), jobs, [](double share, const std::string&) { return share < 0.1; });
+    test::HeardTask task(2);
+    const TaskScope scope(&task);
+    const Status cancelled = makeSampleScan(stopped, tiny(), jobs);
     ASSERT_FALSE(cancelled);
     EXPECT_EQ(cancelled.error().code, Code::Cancelled);
     EXPECT_FALSE(fs::exists(stopped));

@@ -8,6 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "reconstruction/subject/surface/mesh_raster.h"
+#include "tests/unit/heard_task.h"
 
 namespace dpl {
 namespace {
@@ -157,9 +158,9 @@ TEST(FitSurface, refusesWhatCannotBeFitted) {
     const auto empty = fitSurface(bare(), rig, shots, {}, jobs);
     ASSERT_FALSE(empty);
     EXPECT_EQ(empty.error().code, Code::CorruptData);
-    SurfaceFitSettings cancelled;
-    cancelled.progress = [](double) { return false; };
-    const auto stopped = fitSurface(bare(), rig, views(2), cancelled, jobs);
+    test::HeardTask cancelled(1);
+    const TaskScope scope(&cancelled);
+    const auto stopped = fitSurface(bare(), rig, views(2), {}, jobs);
     ASSERT_FALSE(stopped);
     EXPECT_EQ(stopped.error().code, Code::Cancelled);
 }

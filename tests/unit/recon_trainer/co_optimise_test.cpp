@@ -15,6 +15,7 @@
 #include "reconstruction/training/trainer/polish.h"
 #include "sdk/core/files.h"
 #include "sdk/math/sh.h"
+#include "tests/unit/heard_task.h"
 #include "tests/unit/must.h"
 #include "tests/unit/recon_trainer/toy_scene.h"
 
@@ -106,7 +107,7 @@ TEST(CoOptimise, restoredRunEndsInTheSameBytes) {
     ASSERT_TRUE(whole->run());
     const auto path = scratch("trainer.checkpoint");
     auto killed = makeKnown();
-    ASSERT_TRUE(killed->run({}, nullptr, 29));  // inside an epoch, a geometry interval and a curve interval
+    ASSERT_TRUE(killed->run(29));  // inside an epoch, a geometry interval and a curve interval
     ASSERT_TRUE(killed->checkpoint(path));
     killed.reset();
     auto rerun = makeKnown();
@@ -121,7 +122,7 @@ TEST(CoOptimise, damagedOrForeignCheckpointIsRefusedAndChangesNothing) {
     Jobs jobs(1);
     CoOptimiseSettings s = toySettings(16);
     auto t = make(jobs, s);
-    ASSERT_TRUE(t->run({}, nullptr, 8));
+    ASSERT_TRUE(t->run(8));
     const auto path = scratch("trainer_damaged.checkpoint");
     ASSERT_TRUE(t->checkpoint(path));
     auto bytes = readFile(path);
@@ -158,7 +159,7 @@ std::vector<uint8_t> withPayload(std::span<const uint8_t> checkpoint, std::span<
 TEST(CoOptimise, aCheckpointWhoseFieldsDoNotFitIsRefusedAndChangesNothing) {
     Jobs jobs(1);
     auto t = make(jobs, toySettings(16));
-    ASSERT_TRUE(t->run({}, nullptr, 8));
+    ASSERT_TRUE(t->run(8));
     const auto path = scratch("trainer_hostile.checkpoint");
     ASSERT_TRUE(t->checkpoint(path));
     const auto bytes = readFile(path);
@@ -204,7 +205,7 @@ TEST(CoOptimise, hugeGradientsLeaveTheStateFinite) {
     s.loss.l1 = 1e32f;
     s.learnGeometry = s.learnCorrectives = s.densify = false;
     auto t = make(jobs, s);
-    ASSERT_TRUE(t->run({}, nullptr, 8));
+    ASSERT_TRUE(t->run(8));
     const auto path = scratch("trainer_huge.checkpoint");
     ASSERT_TRUE(t->checkpoint(path));
     const Status restored = make(jobs, s)->restore(path);
@@ -335,13 +336,18 @@ TEST(CoOptimise, aCloseupMovesSplatsFurtherInOneStep) {
 TEST(CoOptimise, cancelStopsAndCanGoOn) {
     Jobs jobs(1);
     auto t = make(jobs, toySettings(8));
-    std::atomic<bool> cancel{true};
-    const Status stopped = t->run({}, &cancel);
-    ASSERT_FALSE(stopped);
-    EXPECT_EQ(stopped.error().code, Code::Cancelled);
-    EXPECT_EQ(t->step(), 0u);
-    cancel = false;
-    EXPECT_TRUE(t->run({}, &cancel));
+    HeardTask task(3);
+    {
+        const TaskScope scope(&task);
+        const Status stopped = t->run();
+        ASSERT_FALSE(stopped);
+        EXPECT_EQ(stopped.error().code, Code::Cancelled);
+    }
+    EXPECT_EQ(t->step(), 3u);
+    ASSERT_EQ(task.heard.size(), 3u);
+    EXPECT_DOUBLE_EQ(task.heard[2].first, 2.0 / 8);
+    EXPECT_TRUE(task.heard[2].second.starts_with("step 2 of 8, ")) << task.heard[2].second;
+    EXPECT_TRUE(t->run());
     EXPECT_TRUE(t->finished());
 }
 
