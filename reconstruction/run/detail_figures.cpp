@@ -6,6 +6,7 @@
 #include "reconstruction/judging/report/detail.h"
 #include "reconstruction/judging/report/score.h"
 #include "reconstruction/run/fine_truth.h"
+#include "sdk/core/task.h"
 
 namespace dpl {
 namespace {

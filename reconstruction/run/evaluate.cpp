@@ -63,8 +63,7 @@ Result<std::string> evaluateAvatar(const EvaluateOptions& options, Progress& pro
         std::filesystem::create_directories(options.out, error);
         if (error) return fail(Code::Io, "cannot create {}: {}; choose another output with -o", options.out.string(), error.message());
     }
-    std::vector<Pose> registered;
-    for (const FramePose& frame : poses.frames) registered.push_back(frame.pose);
+    const std::vector<Pose> found = poses.poses();
     Jobs jobs(options.threadCount);
     ShownTask task(progress);
     const TaskScope scope(&task);
@@ -75,7 +74,7 @@ Result<std::string> evaluateAvatar(const EvaluateOptions& options, Progress& pro
     DPL_TRY(auto view, AvatarView::open(bytes, options.threadCount));
     DPL_TRY(const LabelColours labelColours, gatherLabelColours(table));
     for (const auto& [split, frames] : {std::pair{Split::Test, &data.frames}, {Split::Validation, &data.validation}}) {
-        const FrameSet set = table.frames(split, cameras, registered);
+        const FrameSet set = table.frames(split, cameras, found);
         DPL_TRY(*frames, scoreFrames(labelColours, set, avatar, view, poses, split == Split::Test, jobs));
     }
     if (data.frames.empty() && data.validation.empty())
@@ -83,7 +82,7 @@ Result<std::string> evaluateAvatar(const EvaluateOptions& options, Progress& pro
                     options.scan.string());
     std::string summary = scoreLines(data.frames, "held-out") + scoreLines(data.validation, "validation");
     if (!table.scan.protocol.empty()) {
-        const FrameSet heldOut = table.frames(Split::Test, cameras, registered);
+        const FrameSet heldOut = table.frames(Split::Test, cameras, found);
         DPL_TRY(const std::string line, publishedLine(table.scan, heldOut, view, poses, lpips ? &*lpips : nullptr));
         summary += line;
     }

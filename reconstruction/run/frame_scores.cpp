@@ -5,6 +5,7 @@
 
 #include "reconstruction/base/image_codec.h"
 #include "sdk/avatar/posed_mesh.h"
+#include "sdk/core/task.h"
 
 namespace dpl {
 

@@ -11,9 +11,9 @@
 //   };
 //   DPL_TRY(const RegisteredPoses* registered, run.get<RegisteredPoses>());
 //
-// The key of a stage is a hash of its name, its version, the priors of the rooms that it uses and everything that inputs() pulled and
-// listed. make() and read() see only artefacts that inputs() pulled, so keys follow from use. The version must change when the code makes
-// other files from the same inputs.
+// The key of a stage is a hash of its name, its version, the priors of the rooms that it uses and what inputs() listed: the keys of
+// artefacts that it uses whole, and values. make() and read() see only artefacts that inputs() pulled. The version must change when the
+// code makes other files from the same inputs.
 //
 // A stage without files has `compute` in place of make and read; its value is made when somebody looks at it.
 #pragma once

@@ -5,6 +5,7 @@
 
 #include "reconstruction/judging/report/score.h"
 #include "reconstruction/run/fine_truth.h"
+#include "sdk/core/task.h"
 
 namespace dpl {
 namespace {

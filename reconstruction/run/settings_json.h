@@ -12,16 +12,16 @@
 
 namespace dpl {
 
-// As in settings_fields.h, the code does not compile when a field is missing here. Callbacks are named but not visited.
+// As in settings_fields.h, the code does not compile when a field is missing here.
 template <class Visit>
 void visitFields(const BodyFitSettings& settings, Visit&& visit) {
-    const auto& [outlierSigmas, useMasks, progress] = settings;
+    const auto& [outlierSigmas, useMasks] = settings;
     visit("outlierSigmas", outlierSigmas), visit("useMasks", useMasks);
 }
 
 template <class Visit>
 void visitFields(const SurfaceFitSettings& settings, Visit&& visit) {
-    const auto& [startSmoothingM, endSmoothingM, levels, roundsPerLevel, maxOffsetM, maxStepM, maxSwayM, progress] = settings;
+    const auto& [startSmoothingM, endSmoothingM, levels, roundsPerLevel, maxOffsetM, maxStepM, maxSwayM] = settings;
     visit("startSmoothingM", startSmoothingM), visit("endSmoothingM", endSmoothingM);
     visit("levels", levels), visit("roundsPerLevel", roundsPerLevel);
     visit("maxOffsetM", maxOffsetM), visit("maxStepM", maxStepM), visit("maxSwayM", maxSwayM);
@@ -29,7 +29,7 @@ void visitFields(const SurfaceFitSettings& settings, Visit&& visit) {
 
 template <class Visit>
 void visitFields(const RegisterSettings& settings, Visit&& visit) {
-    const auto& [surfacePoints, blursPx, roundsPerBlur, stepsPerRound, progress] = settings;
+    const auto& [surfacePoints, blursPx, roundsPerBlur, stepsPerRound] = settings;
     visit("surfacePoints", surfacePoints), visit("blursPx", blursPx);
     visit("roundsPerBlur", roundsPerBlur), visit("stepsPerRound", stepsPerRound);
 }

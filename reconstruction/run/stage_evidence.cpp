@@ -9,7 +9,7 @@
 #include "reconstruction/judging/report/detail.h"
 #include "reconstruction/judging/report/draw_view.h"
 #include "reconstruction/judging/report/score.h"
-#include "reconstruction/run/registered_pose.h"
+#include "reconstruction/run/carried_pose.h"
 #include "reconstruction/run/settings_json.h"
 #include "reconstruction/run/stage_assemble.h"
 #include "reconstruction/run/stage_body_fit.h"
@@ -61,7 +61,7 @@ Result<Jury> chooseJury(StageInputs& in, const AssembledAvatar& assembled) {
     DPL_TRY(FrameSet set, registeredFrames(in, Split::Validation));
     const std::vector<const Pose*> trained = trainedPoses(*table, training->result);
     for (size_t i = 0; i < set.frames.size(); ++i)
-        set.frames[i].pose = registeredPose(table->scan, registered->poses.poses, trained, set.rows[i]);
+        set.frames[i].pose = carriedPose(table->scan, registered->poses.poses, trained, set.rows[i]);
     jury.frames = std::move(set.frames);
     if (jury.judging() > 0) return jury;
     jury.frames.clear();

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "reconstruction/run/stage_pose_fit.h"
 
-#include "reconstruction/run/registered_pose.h"
+#include "reconstruction/run/carried_pose.h"
 #include "reconstruction/run/settings_json.h"
 #include "reconstruction/run/stage_body_fit.h"
 #include "reconstruction/run/stage_co_optimise.h"
@@ -18,7 +18,7 @@ namespace {
 using nlohmann::json;
 
 /** The data of validation and held-out frames that this stage reads. */
-json untrainedInputs(const FrameTable& table) {
+json judgedInputs(const FrameTable& table) {
     json out = json::array();
     for (size_t row = 0; row < table.rows(); ++row)
         if (table.scan.frames[row].split != Split::Train)
@@ -34,7 +34,7 @@ Status StageOf<FoundPoses>::inputs(StageInputs& in) {
     DPL_TRY([[maybe_unused]] const FittedBody* body, in.part<FittedBody>());
     DPL_TRY(const SettingsAfterTraining* after, in.part<SettingsAfterTraining>());
     in.value("scan", table->scanHash);
-    in.value("untrained", untrainedInputs(*table));
+    in.value("untrained", judgedInputs(*table));
     in.value("settings", fieldsJson(after->settings.poseFit));
     DPL_RETURN_IF_ERROR(in.use<RegisteredPoses>());
     DPL_RETURN_IF_ERROR(in.use<Training>());
@@ -58,19 +58,19 @@ Status StageOf<FoundPoses>::make(StageInputs& in, StageContext& context) {
     for (const JointData& joint : avatar.joints) poses.jointNames.push_back(joint.name), poses.restPositions.push_back(joint.restPosition);
     if (!scan.metricWorld) poses.metresPerUnit = body->fit.metresPerUnit;
     const std::vector<const Pose*> trained = trainedPoses(*table, training->result);
-    size_t untrained = 0, done = 0;
-    for (const ScanFrame& frame : scan.frames) untrained += frame.split != Split::Train;
+    size_t judged = 0, done = 0;
+    for (const ScanFrame& frame : scan.frames) judged += frame.split != Split::Train;
     for (size_t row = 0; row < table->rows(); ++row) {
         const ScanFrame& frame = scan.frames[row];
         FramePose entry{frame.name, frame.kind, frame.split, registered->poses[row], std::nullopt};
         if (frame.split == Split::Train) {
             if (trained[row]) entry.pose = *trained[row];
         } else {
-            DPL_RETURN_IF_ERROR(taskAt(double(done++) / double(untrained), frame.name));
-            entry.pose = registeredPose(scan, registered->poses.poses, trained, row);
+            DPL_RETURN_IF_ERROR(taskAt(double(done++) / double(judged), frame.name));
+            entry.pose = carriedPose(scan, registered->poses.poses, trained, row);
             TrainFrame shown = table->frame(row, metric->cameras[row], entry.pose);
             shown.precision = registered->precisions[row];
-            // A frame whose picture cannot be used keeps its registered pose.
+            // A frame whose picture cannot be used keeps its carried pose.
             if (auto fitted = fitPose(avatar, shown, after->settings.poseFit, in.jobs())) entry.fittedPose = fitted->pose;
         }
         poses.frames.push_back(std::move(entry));

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The stage register: registers training frames to their pictures. Reads no picture of a held-out frame.
+// The stage register: registers training frames to their pictures, and places the others by their keypoints alone.
 #pragma once
 
 #include "reconstruction/run/frame_table.h"

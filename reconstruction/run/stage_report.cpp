@@ -198,9 +198,10 @@ Status StageOf<ReportFiles>::make(StageInputs& in, StageContext& context) {
     DPL_TRY(auto view, AvatarView::open(package->bytes, in.jobs().threadCount()));
     DPL_TRY(data.portrait, drawPortrait(table->scan, metric->cameras, found->poses, avatar, view, in.jobs()));
     DPL_TRY(const LabelColours labelColours, gatherLabelColours(*table));
-    const FrameSet heldOut = table->frames(Split::Test, metric->cameras, body->poses.poses);
+    const std::vector<Pose> poses = found->poses.poses();
+    const FrameSet heldOut = table->frames(Split::Test, metric->cameras, poses);
     DPL_TRY(data.frames, scoreFrames(labelColours, heldOut, avatar, view, found->poses, true, in.jobs()));
-    const FrameSet validation = table->frames(Split::Validation, metric->cameras, body->poses.poses);
+    const FrameSet validation = table->frames(Split::Validation, metric->cameras, poses);
     DPL_TRY(data.validation, scoreFrames(labelColours, validation, avatar, view, found->poses, false, in.jobs()));
     DPL_TRY(data.ladder, measureLadder({table->scan, metric->cameras, avatar, found->poses}, in.jobs()));
     DPL_RETURN_IF_ERROR(addScaleFigures(table->scan.root, view, heldOut, found->poses, data));

@@ -154,7 +154,7 @@ inline void opacityFromTransmittance(std::span<std::byte> pixels) {
 /** How a frame runs: the backend submits it, or the app does, with commands of its own around it. */
 enum class FrameRun : uint8_t { Submitted, Encoded };
 
-/** A command buffer of the app in its graphics API, recording and outside any pass: VkCommandBuffer. */
+/** A command buffer of the app in its graphics API, recording and outside any pass: VkCommandBuffer or MTLCommandBuffer. */
 struct AppCommands {
     void* handle = nullptr;
 };

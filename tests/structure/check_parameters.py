@@ -7,7 +7,7 @@ import re
 import sys
 
 MOST = 7
-ROOMS = ("sdk", "platform")
+ROOMS = ("sdk", "platform", "reconstruction", "apps")
 EXEMPT_NAME = re.compile(r"dpl[A-Z]\w*$")
 EXEMPT_FILES = ("sdk/backend/metal/mtl_seam.h", "sdk/backend/metal/mtl_apple.mm")
 SUFFIXES = (".h", ".hpp", ".cpp", ".mm")

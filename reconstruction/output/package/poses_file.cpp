@@ -47,6 +47,12 @@ Result<Pose> readPose(const json& object, size_t jointCount) {
 
 }  // namespace
 
+std::vector<Pose> PosesFile::poses() const {
+    std::vector<Pose> out;
+    for (const FramePose& frame : frames) out.push_back(frame.pose);
+    return out;
+}
+
 std::string posesToJson(const PosesFile& poses) {
     ordered_json out = {{"format", "doppel-poses"}, {"version", 1}};
     if (!poses.scanHash.empty()) out["scan"] = poses.scanHash;

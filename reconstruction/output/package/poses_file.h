@@ -19,7 +19,7 @@ struct FramePose {
     std::string name;
     FrameKind kind = FrameKind::StaticFull;
     Split split = Split::Train;
-    Pose pose;                       // of training frames after training, of others after registration
+    Pose pose;                       // of training frames after training, of others as training carried it (run/carried_pose.h)
     std::optional<Pose> fittedPose;  // of validation and held-out frames, after the test-time pose fit
 
     /** The fitted pose, or the other where there is none. */
@@ -32,6 +32,9 @@ struct PosesFile {
     std::vector<Vec3f> restPositions;  // of the joints, metres; empty in older files
     double metresPerUnit = 0;          // of the scan's world, where its cameras are not in metres; 0: they are, or the file is older
     std::vector<FramePose> frames;
+
+    /** FramePose::pose of all frames. */
+    std::vector<Pose> poses() const;
 };
 
 std::string posesToJson(const PosesFile& poses);

@@ -14,14 +14,15 @@ namespace dpl {
 namespace HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
-/** Updates one row. correction1 and correction2 undo the bias of the two moments. */
-void adamRow(size_t stride, const float* gradient, const float* rate, float correction1, float correction2, float* first, float* second,
-             float* value) {
+/** Updates one row. Each array has `stride` numbers, a multiple of the vector's length. */
+void adamRow(const AdamRow& row) {
+    const float *gradient = row.gradient, *rate = row.rate;
+    float *first = row.first, *second = row.second, *value = row.value;
     const hn::CappedTag<float, 8> d;
     const auto b1 = hn::Set(d, kAdamBeta1), b2 = hn::Set(d, kAdamBeta2), r1 = hn::Set(d, 1 - kAdamBeta1), r2 = hn::Set(d, 1 - kAdamBeta2);
     // Losses are means over a picture, so gradients are around 1e-7. ε must be far smaller.
-    const auto c1 = hn::Set(d, correction1), c2 = hn::Set(d, correction2), epsilon = hn::Set(d, 1e-15f);
-    for (size_t i = 0; i < stride; i += hn::Lanes(d)) {
+    const auto c1 = hn::Set(d, row.correction1), c2 = hn::Set(d, row.correction2), epsilon = hn::Set(d, 1e-15f);
+    for (size_t i = 0; i < row.stride; i += hn::Lanes(d)) {
         const auto g = hn::LoadU(d, gradient + i);
         const auto m = hn::MulAdd(b1, hn::LoadU(d, first + i), hn::Mul(r1, g));
         const auto v = hn::MulAdd(b2, hn::LoadU(d, second + i), hn::Mul(r2, hn::Mul(g, g)));
@@ -70,9 +71,9 @@ void AdamRows::update(size_t begin, size_t end, std::span<const uint8_t> active,
         if (!active[i]) continue;
         const uint32_t n = ++steps[i];
         const size_t at = i * stride;
+        const float correction1 = n < kTable ? first1[n] : 1.0f, correction2 = n < kTable ? first2[n] : correction(kAdamBeta2, n);
         HWY_DYNAMIC_DISPATCH(adamRow)
-        (stride, gradients.data() + at, rate.data(), n < kTable ? first1[n] : 1.0f, n < kTable ? first2[n] : correction(kAdamBeta2, n),
-         first.data() + at, second.data() + at, values.data() + at);
+        ({stride, gradients.data() + at, rate.data(), correction1, correction2, first.data() + at, second.data() + at, values.data() + at});
     }
 }
 

@@ -28,6 +28,14 @@ struct AdamRows {
                 std::span<float> values);
 };
 
+/** One row of AdamRows, as its vector code takes it. */
+struct AdamRow {
+    size_t stride;
+    const float *gradient, *rate;
+    float correction1, correction2;  // undo the bias of the two moments
+    float *first, *second, *value;
+};
+
 /** Adam with the step m̂/(ε + max√v̂). The maximum is taken over all coordinates, so the step keeps the direction of m̂. */
 struct AdamUniform {
     std::vector<Vec3f> first, second;
