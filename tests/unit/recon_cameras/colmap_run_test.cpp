@@ -61,17 +61,16 @@ fi)";
 
 TEST_F(ColmapStandIn, largestModelIsTheAnswer) {
     standIn(kModel);
-    std::vector<double> fractions;
-    ColmapRun run = this->run();
-    run.progress = [&](double fraction, std::string_view) { fractions.push_back(fraction); };
-    const auto images = runColmap(run);
+    test::HeardTask task;
+    const TaskScope scope(&task);
+    const auto images = runColmap(run());
     ASSERT_TRUE(images) << images.error().message;
     ASSERT_EQ(images->size(), 2u);
     EXPECT_EQ((*images)[1].name, "b.jpg");
     EXPECT_EQ((*images)[1].camera.fx, 510);
     EXPECT_EQ((*images)[1].lens.k1, -0.01);
-    EXPECT_TRUE(std::is_sorted(fractions.begin(), fractions.end()));
-    EXPECT_FALSE(fractions.empty());
+    EXPECT_TRUE(std::is_sorted(task.heard.begin(), task.heard.end(), [](const auto& a, const auto& b) { return a.first < b.first; }));
+    EXPECT_FALSE(task.heard.empty());
 }
 
 TEST_F(ColmapStandIn, argumentsAreThoseOfTheManual) {

@@ -131,7 +131,7 @@ TEST(ChoosePerson, followsOneOfTwoPeopleInARealVideo) {
     std::ifstream in(sourceFolder() / "tests/unit/recon_capture/people_boxes.json");
     const auto labels = nlohmann::json::parse(in);
     const auto& walker = labels["walker"];
-    ObserveOptions options{models, folder.path / "walker", {}, {}, {}};
+    ObserveOptions options{models, folder.path / "walker", {}, {}};
     options.persons = {*parsePersonPoint("120:830,700")};
     options.note = [](const std::string& text) { std::printf("note: %s\n", text.c_str()); };
     Jobs jobs(2);

@@ -124,7 +124,7 @@ size_t insideWhenBent(bool stressed) {
     settings.steps = 200, settings.init.splatCount = 800, settings.init.shDegree = 0, settings.densify = false;
     settings.learnPoses = settings.learnCorrectives = false;
     auto trainer = CoOptimiser::create(std::move(input), settings, jobs);
-    if (!trainer || !(*trainer)->run({}, nullptr)) throw std::runtime_error("the toy scene does not train");
+    if (!trainer || !(*trainer)->run()) throw std::runtime_error("the toy scene does not train");
     mesh.restPositions = (*trainer)->result().restPositions;
     PosedMesh posed;
     const std::vector<RestTriangle<float>> bind = restTriangles(mesh);
