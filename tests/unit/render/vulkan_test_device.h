@@ -44,9 +44,13 @@ inline VulkanTestOptions testVulkanOptions() {
     return options;
 }
 
-/** As createVulkanBackend(VulkanOptions), and Code::NotFound where validation is wanted and its layer is not installed. */
-inline Result<std::unique_ptr<Backend>> createTestBackend(const VulkanTestOptions& options = testVulkanOptions()) {
+/** As createVulkanBackend(VulkanOptions). Where validation is wanted and its layer is not installed, it says so and goes without. */
+inline Result<std::unique_ptr<Backend>> createTestBackend(VulkanTestOptions options = testVulkanOptions()) {
     DPL_TRY(ShaderPack pack, readShaderPack(embeddedShaderPack(), "the embedded shader pack", embeddedShaderInterface()));
+    auto made = vk::createBackend(options.request(), pack);
+    if (made || made.error().code != Code::NotFound) return made;
+    std::printf("[   NOTE   ] %s\n", made.error().message.c_str());
+    options.enableValidation = false;
     return vk::createBackend(options.request(), std::move(pack));
 }
 
@@ -81,11 +85,6 @@ struct TestVulkan {
             return;
         }
         auto made = createTestBackend(options);
-        if (!made && made.error().code == Code::NotFound) {  // no validation layer: print a note and test without it
-            std::printf("[   NOTE   ] %s\n", made.error().message.c_str());
-            options.enableValidation = false;
-            made = createTestBackend(options);
-        }
         if (!made) {
             missing = made.error().message;
             return;
