@@ -117,7 +117,7 @@ Status StageOf<Training>::make(StageInputs& in, StageContext& context) {
     DPL_TRY(const GarmentLayers* layers, in.of<GarmentLayers>());
     context.progress.detail(
         formatText("pictures at the size of a training level are kept up to {} MiB", CoOptimiseInput().levelBoundBytes >> 20));
-    DPL_RETURN_IF_ERROR(taskAt(0, "reading pictures"));
+    (void)taskAt(0, "reading pictures");  // a stop is heard by the training, which leaves a checkpoint
     DPL_TRY(FrameSet set, registeredFrames(in, Split::Train));
     if (set.frames.empty()) return fail(Code::InvalidArgument, "no usable training frames");
     DPL_TRY(CoOptimiseInput input, trainingInput(*body, *layers, std::move(set.frames)));
