@@ -1,9 +1,24 @@
 // SPDX-License-Identifier: Apache-2.0
 // doppel-viewer: avatars and splats in a window.
 #include <cstdio>
-#include <exception>
+#include <new>
 
 #include "apps/viewer/viewer.h"
+
+namespace dpl {
+namespace {
+
+Result<int> show(const ViewerOptions& options, Timings& timings) {
+    try {
+        DPL_TRY(const auto viewer, Viewer::create(options, timings));
+        return viewer->run();
+    } catch (const std::bad_alloc&) {
+        return fail(Code::OutOfMemory, "out of memory; close other programs");
+    }
+}
+
+}  // namespace
+}  // namespace dpl
 
 int main(int argc, char** argv) {
     using namespace dpl;
@@ -12,13 +27,8 @@ int main(int argc, char** argv) {
     int exitCode = 0;
     const auto options = readOptions(argc, argv, &exitCode);
     if (!options) return exitCode;
-    try {
-        Viewer viewer(*options, timings);
-        exitCode = viewer.run();
-    } catch (const std::exception& error) {  // the window or the graphics device failed
-        std::fprintf(stderr, "doppel-viewer: %s\n", error.what());
-        exitCode = 1;
-    }
+    const auto ended = show(*options, timings);
+    if (!ended) std::fprintf(stderr, "doppel-viewer: %s\n", ended.error().message.c_str());
     if (options->timings) timings.print();
-    return exitCode;
+    return ended ? *ended : 1;
 }

@@ -43,9 +43,20 @@ platform::ShellInfo shellInfo(const ViewerOptions& options, Timings& timings) {
     return info;
 }
 
+Status ofShell(const doppel::Status& status) {
+    return status ? Status() : fromSdk(status.error());
+}
+
 }  // namespace
 
-Viewer::Viewer(const ViewerOptions& options, Timings& timings) : options_(options), timings_(timings), shell_(shellInfo(options, timings)) {
+Result<std::unique_ptr<Viewer>> Viewer::create(const ViewerOptions& options, Timings& timings) {
+    auto shell = platform::Shell::create(shellInfo(options, timings));
+    if (!shell) return fromSdk(shell.error());
+    return std::unique_ptr<Viewer>(new Viewer(options, timings, std::move(*shell)));
+}
+
+Viewer::Viewer(const ViewerOptions& options, Timings& timings, std::unique_ptr<platform::Shell> shell)
+    : options_(options), timings_(timings), shell_(std::move(shell)) {
     state_.room = roomOf(options.room);
     state_.axes = options.axes;
     state_.panels = !options.hidePanels;
@@ -54,17 +65,14 @@ Viewer::Viewer(const ViewerOptions& options, Timings& timings) : options_(option
 }
 
 Viewer::~Viewer() {
-    shell_.hideWindow();
-    try {
-        shell_.waitIdle();
-    } catch (const platform::VulkanError&) {  // the device is lost; nothing runs on it
-    }
+    shell_->hideWindow();
+    (void)shell_->waitIdle();  // fails if the device is lost; then nothing runs on it
 }
 
-int Viewer::run() {
-    while (!done_ && shell_.beginFrame()) frame();
-    for (const std::string& complaint : shell_.complaints()) std::fprintf(stderr, "doppel-viewer: validation: %s\n", complaint.c_str());
-    return failed_ || !shell_.complaints().empty() ? 1 : 0;
+Result<int> Viewer::run() {
+    while (!done_ && shell_->beginFrame()) DPL_RETURN_IF_ERROR(frame());
+    for (const std::string& complaint : shell_->complaints()) std::fprintf(stderr, "doppel-viewer: validation: %s\n", complaint.c_str());
+    return failed_ || !shell_->complaints().empty() ? 1 : 0;
 }
 
 double Viewer::nowS() const {
@@ -77,12 +85,12 @@ void Viewer::report(const std::string& problem) {
     if (options_.isScript()) failed_ = done_ = true;
 }
 
-void Viewer::frame() {
+Status Viewer::frame() {
     if (loader_) takeFiles();
     takeInput();
     fulfilWishes();
     advanceTime();
-    arrange();
+    DPL_RETURN_IF_ERROR(arrange());
     const ImVec2 size = ImGui::GetIO().DisplaySize;
     const bool panels = state_.panels && !turntable_ && screenshot_.empty();
     state_.messages.tick(nowS());
@@ -95,14 +103,16 @@ void Viewer::frame() {
     if (scripted) what.panels = !options_.hidePanels;
     if (turntable_ || !screenshot_.empty()) what.panels = false;
     if (turntable_ || !screenshot_.empty() || (scripted && scriptFrame_ + 1 == options_.frames)) what.rgb = &rgb;
-    const uint64_t before = shell_.shown();
-    if (const std::string problem = shell_.draw(what); !problem.empty()) report(problem);
-    afterDraw(shell_.shown() > before, rgb);
+    const uint64_t before = shell_->shown();
+    const auto drawn = shell_->draw(what);
+    if (!drawn) return fromSdk(drawn.error());
+    if (!drawn->empty()) report(*drawn);
+    return afterDraw(shell_->shown() > before, rgb);
 }
 
 platform::FrameContents Viewer::contents() {
     platform::FrameContents what;
-    const VkExtent2D size = shell_.picturePx();
+    const VkExtent2D size = shell_->picturePx();
     const ImGuiIO& io = ImGui::GetIO();
     const FreeSpan free = turntable_ || !screenshot_.empty() ? FreeSpan{0, io.DisplaySize.x} : freeSpan(state_, io.DisplaySize.x);
     Camerad camera = state_.camera.camera(size.width, size.height, 0.5 * (free.left + free.right) * io.DisplayFramebufferScale.x);
@@ -116,7 +126,7 @@ platform::FrameContents Viewer::contents() {
 }
 
 void Viewer::takeFiles() {
-    std::vector<std::string> dropped = shell_.takeDropped();
+    std::vector<std::string> dropped = shell_->takeDropped();
     const ViewedSubject* chosen = state_.chosen();
     for (std::string& path : dropped) {
         // A motion that comes with other files belongs to the avatar among them.
@@ -174,7 +184,7 @@ WorldBox Viewer::uprightBox() const {
 void Viewer::takeInput() {
     const ImGuiIO& io = ImGui::GetIO();
     if (options_.isScript()) return;
-    for (const int key : shell_.takeKeys()) {  // GLFW's codes of letters are those of ASCII
+    for (const int key : shell_->takeKeys()) {  // GLFW's codes of letters are those of ASCII
         if (key == ' ') state_.playback.playing = !state_.playback.playing;
         if (key == 'F') state_.wantsFrame = true;
         if (key == 'H') state_.panels = !state_.panels;
@@ -190,7 +200,7 @@ void Viewer::takeInput() {
 }
 
 void Viewer::startTurntable(std::filesystem::path path) {
-    const VkExtent2D size = shell_.picturePx();
+    const VkExtent2D size = shell_->picturePx();
     auto begun = Turntable::begin(path, options_.frames > 1 ? options_.frames : 120, size.width, size.height, 1 / kScriptStepS);
     if (!begun && begun.error().code == Code::NotFound && options_.turntable.empty())  // no ffmpeg: pictures instead
         begun = Turntable::begin(nextFreeName("turntable", ""), 120, size.width, size.height, 1 / kScriptStepS);
@@ -222,7 +232,7 @@ void Viewer::advanceTime() {
         state_.playback.advance(turntable_ ? kScriptStepS : passed);
 }
 
-void Viewer::arrange() {
+Status Viewer::arrange() {
     std::vector<ViewedSubject*> avatars;
     for (ViewedSubject& subject : state_.subjects)
         if (subject.isAvatar()) avatars.push_back(&subject);
@@ -231,17 +241,18 @@ void Viewer::arrange() {
         avatars[i]->asideM = places[i];
         if (const Status posed = avatars[i]->pose(state_.playback.timeS); !posed) report(avatars[i]->file + ": " + posed.error().message);
     }
-    if (state_.wantsFrame || !framed_) frameAll();
+    if (state_.wantsFrame || !framed_) DPL_RETURN_IF_ERROR(frameAll());
     state_.wantsFrame = false;
     if (!options_.isScript() && !turntable_) keepAway();
     applyLimits();
+    return {};
 }
 
 /** Holds the camera where the scan still has details to show. */
 void Viewer::keepAway() {
     state_.keptAway = false;
     if (!(state_.magnification > 0)) return;
-    const VkExtent2D size = shell_.picturePx();
+    const VkExtent2D size = shell_->picturePx();
     const Camerad camera = state_.camera.camera(size.width, size.height, 0);
     const Mat3d fileFromUpright = glm::transpose(uprightFromFile(state_.axes));
     const double nearest = nearestM(state_.subjects, fileFromUpright * state_.camera.middle(), fileFromUpright * camera.eye(), camera.fy,
@@ -251,13 +262,13 @@ void Viewer::keepAway() {
 }
 
 /** Puts the camera before all subjects, and the room around both. */
-void Viewer::frameAll() {
+Status Viewer::frameAll() {
     const ImVec2 size = ImGui::GetIO().DisplaySize;
-    if (size.x <= 0 || size.y <= 0) return;  // minimised
+    if (size.x <= 0 || size.y <= 0) return {};  // minimised
     const FreeSpan free = freeSpan(state_, size.x);
     state_.camera.frame(uprightBox(), double(free.right - free.left) / double(size.y));
-    shell_.buildRoom(roomAround(state_.subjects, uprightBox(), state_.camera.distanceM()));
     framed_ = true;
+    return ofShell(shell_->buildRoom(roomAround(state_.subjects, uprightBox(), state_.camera.distanceM())));
 }
 
 void Viewer::applyLimits() {
@@ -272,19 +283,19 @@ void Viewer::applyLimits() {
         report(dplGetLastError());
 }
 
-void Viewer::afterDraw(bool drawn, std::vector<uint8_t>& rgb) {
-    if (!drawn) return;
-    const VkExtent2D size = shell_.picturePx();
+Status Viewer::afterDraw(bool drawn, std::vector<uint8_t>& rgb) {
+    if (!drawn) return {};
+    const VkExtent2D size = shell_->picturePx();
     const bool withSubjects = !state_.subjects.empty();
-    if (options_.timings && shell_.shown() == 1) shell_.waitIdle();
+    if (options_.timings && shell_->shown() == 1) DPL_RETURN_IF_ERROR(ofShell(shell_->waitIdle()));
     timings_.mark("first picture: the room and the panels");
-    if (options_.timings && withSubjects) shell_.waitIdle();
+    if (options_.timings && withSubjects) DPL_RETURN_IF_ERROR(ofShell(shell_->waitIdle()));
     if (withSubjects) timings_.mark("first picture with a subject");
     if (!loader_) {  // only now, so that nothing competes with the first picture
-        loader_ = std::make_unique<Loader>(shell_, fillOf(options_.fill), cacheFolder());
+        loader_ = std::make_unique<Loader>(*shell_, fillOf(options_.fill), cacheFolder());
         for (const std::string& file : options_.files) loader_->load(file, nullptr);
         waitingFor_ = options_.files.size();
-        return;
+        return {};
     }
     refreshFigures();
     if (!screenshot_.empty() && !rgb.empty()) {
@@ -313,14 +324,15 @@ void Viewer::afterDraw(bool drawn, std::vector<uint8_t>& rgb) {
         ++scriptFrame_;
     }
     if (waitingFor_ == 0 && settling_ > 0) --settling_;
+    return {};
 }
 
 void Viewer::refreshFigures() {
     const double now = nowS();
     if (now - figuresAtS_ < 0.25) return;
     Figures figures;
-    if (now > figuresAtS_) figures.framesPerSecond = double(shell_.shown() - figuresAtFrame_) / (now - figuresAtS_);
-    figuresAtS_ = now, figuresAtFrame_ = shell_.shown();
+    if (now > figuresAtS_) figures.framesPerSecond = double(shell_->shown() - figuresAtFrame_) / (now - figuresAtS_);
+    figuresAtS_ = now, figuresAtFrame_ = shell_->shown();
     if (!state_.subjects.empty()) {
         const doppel::Avatar& first = state_.subjects[0].avatar;  // the picture belongs to it
         if (const auto stats = first.frameStats()) figures.stats = *stats;

@@ -16,24 +16,26 @@ namespace dpl {
 
 class Viewer {
 public:
-    explicit Viewer(const ViewerOptions& options, Timings& timings);
+    /** Opens the window. `timings` must live longer. */
+    static Result<std::unique_ptr<Viewer>> create(const ViewerOptions& options, Timings& timings);
     ~Viewer();
     Viewer(const Viewer&) = delete;
     Viewer& operator=(const Viewer&) = delete;
 
-    /** Runs until the window is closed or the script is done. Returns the exit code. */
-    int run();
+    /** Runs until the window is closed or the script is done. Returns the exit code. An error: the window or the graphics device failed. */
+    Result<int> run();
 
 private:
-    void frame();
+    Viewer(const ViewerOptions& options, Timings& timings, std::unique_ptr<platform::Shell> shell);
+    Status frame();
     void takeFiles();
     void addSubject(doppel::Avatar avatar, const std::string& file);
     void takeInput();
     void fulfilWishes();
     void advanceTime();
-    void arrange();
-    void frameAll();
-    void afterDraw(bool drawn, std::vector<uint8_t>& rgb);
+    Status arrange();
+    Status frameAll();
+    Status afterDraw(bool drawn, std::vector<uint8_t>& rgb);
     void startTurntable(std::filesystem::path path);
     void refreshFigures();
     void keepAway();
@@ -46,7 +48,7 @@ private:
 
     const ViewerOptions options_;
     Timings& timings_;
-    platform::Shell shell_;
+    const std::unique_ptr<platform::Shell> shell_;
     std::unique_ptr<Loader> loader_;
     ViewerState state_;  // its avatars are destroyed before the context
 

@@ -11,9 +11,6 @@ constexpr std::array<float, 2> kPosts[] = {{0.16f, -1.39f}, {-0.68f, -1.2f}};
 
 constexpr double kTurnRadPerS = 1.6;
 
-#define SCENE_OK(...) \
-    if (doppel::Status sceneStatus = (__VA_ARGS__); !sceneStatus) return sceneStatus.error()
-
 VkAttachmentDescription attachment(VkFormat format, VkAttachmentLoadOp load, VkImageLayout before, VkImageLayout after) {
     VkAttachmentDescription a{};
     a.format = format;
@@ -40,32 +37,13 @@ AvatarScene::~AvatarScene() {
 
 doppel::Status AvatarScene::begin(const xr::SessionImages& images) {
     images_ = &images;
-    try {
-        makePasses();
-        platform::RoomPlan plan;
-        plan.posts.assign(std::begin(kPosts), std::end(kPosts));
-        room_.emplace(platform::VulkanHandles{runtime_.physicalDevice(), runtime_.device()},
-                      platform::RoomPass{drawing_, 0, 1, images.multiview ? 3u : 0u});
-        room_->build(plan);
-        for (const xr::GroupImages& group : images.groups) {
-            const auto framebufferOf = [&](VkRenderPass pass, VkImageView colour, VkImageView depth) {
-                const VkImageView views[] = {colour, depth};
-                return framebuffers_.emplace_back(
-                    platform::makeFramebuffer(runtime_.device(), pass, views, {group.widthPx, group.heightPx}));
-            };
-            std::vector<Pass>& made = passes_.emplace_back(group.passes);
-            for (uint32_t p = 0; p < group.passes; ++p)
-                for (VkImageView colour : group.colour[p]) {
-                    auto &drawing = made[p].drawing.emplace_back(), &composing = made[p].composing.emplace_back();
-                    for (VkImageView depth : group.depth[p]) {
-                        drawing.push_back(framebufferOf(drawing_, colour, depth));
-                        composing.push_back(framebufferOf(composing_, colour, depth));
-                    }
-                }
-        }
-    } catch (const platform::VulkanError& error) {
-        return doppel::Error{DPL_ERROR_DEVICE, error.what()};
-    }
+    DPL_SHELL_OK(makePasses());
+    platform::RoomPlan plan;
+    plan.posts.assign(std::begin(kPosts), std::end(kPosts));
+    DPL_SHELL_TRY(room_,
+                  platform::Room::create({runtime_.physicalDevice(), runtime_.device()}, {drawing_, 0, 1, images.multiview ? 3u : 0u}));
+    room_->build(plan);
+    for (const xr::GroupImages& group : images.groups) DPL_SHELL_OK(makeFramebuffers(group));
     DplVulkanPass pass{};
     pass.structSize = sizeof pass;
     pass.renderPass = composing_;
@@ -73,8 +51,28 @@ doppel::Status AvatarScene::begin(const xr::SessionImages& images) {
     pass.colourFormat = images.colourFormat;
     pass.writesDepth = DPL_DRAW_DEPTH;  // of general splats too
     uint32_t composer = 0;
-    SCENE_OK(doppel::status(dplCreateVulkanComposer(runtime_.context(), &pass, &composer)));
+    DPL_SHELL_OK(doppel::status(dplCreateVulkanComposer(runtime_.context(), &pass, &composer)));
     composer_ = composer;
+    return {};
+}
+
+doppel::Status AvatarScene::makeFramebuffers(const xr::GroupImages& group) {
+    const auto add = [&](std::vector<VkFramebuffer>& to, VkRenderPass pass, VkImageView colour, VkImageView depth) -> doppel::Status {
+        const VkImageView views[] = {colour, depth};
+        DPL_SHELL_TRY(const VkFramebuffer made, platform::makeFramebuffer(runtime_.device(), pass, views, {group.widthPx, group.heightPx}));
+        framebuffers_.push_back(made);
+        to.push_back(made);
+        return {};
+    };
+    std::vector<Pass>& made = passes_.emplace_back(group.passes);
+    for (uint32_t p = 0; p < group.passes; ++p)
+        for (VkImageView colour : group.colour[p]) {
+            auto &drawing = made[p].drawing.emplace_back(), &composing = made[p].composing.emplace_back();
+            for (VkImageView depth : group.depth[p]) {
+                DPL_SHELL_OK(add(drawing, drawing_, colour, depth));
+                DPL_SHELL_OK(add(composing, composing_, colour, depth));
+            }
+        }
     return {};
 }
 
@@ -91,7 +89,7 @@ void AvatarScene::end() {
     images_ = nullptr;
 }
 
-void AvatarScene::makePasses() {
+doppel::Status AvatarScene::makePasses() {
     const VkAttachmentReference colour{0, VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL};
     const VkAttachmentReference depth{1, VK_IMAGE_LAYOUT_DEPTH_STENCIL_ATTACHMENT_OPTIMAL};
     constexpr VkPipelineStageFlags kColourStage = VK_PIPELINE_STAGE_COLOR_ATTACHMENT_OUTPUT_BIT;
@@ -128,7 +126,7 @@ void AvatarScene::makePasses() {
     info.pAttachments = room;
     info.dependencyCount = 2;
     info.pDependencies = around;
-    DPL_VK(vkCreateRenderPass(runtime_.device(), &info, nullptr, &drawing_));
+    DPL_VK_MAKE(drawing_, vkCreateRenderPass, runtime_.device(), info);
 
     // The avatar: composed over both. Its compute passes have read the depth that it writes.
     const VkAttachmentDescription composed[] = {
@@ -144,7 +142,8 @@ void AvatarScene::makePasses() {
     };
     info.pAttachments = composed;
     info.pDependencies = over;
-    DPL_VK(vkCreateRenderPass(runtime_.device(), &info, nullptr, &composing_));
+    DPL_VK_MAKE(composing_, vkCreateRenderPass, runtime_.device(), info);
+    return {};
 }
 
 void AvatarScene::drawRoom(VkCommandBuffer commands, const xr::GroupImages& images, const xr::GroupFrame& group, uint32_t pass,
@@ -212,16 +211,16 @@ doppel::Status AvatarScene::poseAvatar(const xr::Frame& frame) {
     const XrPosef body = stance_.of(user);
     if (options_.mirror) worldFromAvatar_ = body;
     if (options_.clip) {
-        SCENE_OK(avatar_.setPoseFromClip(*options_.clip, frame.timeS));
+        DPL_SHELL_OK(avatar_.setPoseFromClip(*options_.clip, frame.timeS));
     } else {
-        SCENE_OK(avatar_.setPose(rest_));
+        DPL_SHELL_OK(avatar_.setPose(rest_));
     }
     return puppet_.pose(xr::moved(xr::inverse(body), user), options_.mirror, frame.timeS);
 }
 
 doppel::Status AvatarScene::draw(const xr::Frame& frame) {
     const VkCommandBuffer commands = frame.commands;
-    if (options_.withAvatar) SCENE_OK(poseAvatar(frame));
+    if (options_.withAvatar) DPL_SHELL_OK(poseAvatar(frame));
     for (uint32_t g = 0; g < frame.groupCount; ++g) {
         const xr::GroupFrame& group = frame.groups[g];
         for (uint32_t p = 0; p < images_->groups[g].passes; ++p)
@@ -233,7 +232,7 @@ doppel::Status AvatarScene::draw(const xr::Frame& frame) {
         const xr::GroupFrame& group = frame.groups[g];
         DplCamera cameras[xr::kMaxViewsOfGroup];
         for (uint32_t v = 0; v < group.views; ++v) cameras[v] = cameraOfAvatar(group.cameras[v]);
-        SCENE_OK(
+        DPL_SHELL_OK(
             doppel::status(dplVulkanPrepare(runtime_.context(), commands, group.slot, avatars, 1, cameras, group.views, group.depths)));
         for (uint32_t p = 0; p < images_->groups[g].passes; ++p) {
             VkRenderPassBeginInfo begin{VK_STRUCTURE_TYPE_RENDER_PASS_BEGIN_INFO};
@@ -246,7 +245,7 @@ doppel::Status AvatarScene::draw(const xr::Frame& frame) {
                 composed = doppel::status(
                     dplVulkanComposeDepth(runtime_.context(), *composer_, commands, group.slot, p, 0, 0, 0, platform::kRoomNearM));
             vkCmdEndRenderPass(commands);
-            SCENE_OK(composed);
+            DPL_SHELL_OK(composed);
         }
     }
     return {};

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <doppel/doppel.hpp>
+#include <memory>
 #include <optional>
 
 #include "platform/common/room.h"
@@ -51,7 +52,8 @@ private:
     };
 
     doppel::Status poseAvatar(const xr::Frame& frame);
-    void makePasses();
+    doppel::Status makePasses();
+    doppel::Status makeFramebuffers(const xr::GroupImages& group);
     void drawRoom(VkCommandBuffer commands, const xr::GroupImages& images, const xr::GroupFrame& group, uint32_t pass,
                   VkFramebuffer target) const;
 
@@ -66,7 +68,7 @@ private:
 
     const xr::SessionImages* images_ = nullptr;
     VkRenderPass drawing_ = VK_NULL_HANDLE, composing_ = VK_NULL_HANDLE;
-    std::optional<platform::Room> room_;
+    std::unique_ptr<platform::Room> room_;
     std::optional<uint32_t> composer_;
     std::vector<VkFramebuffer> framebuffers_;  // all
     std::vector<std::vector<Pass>> passes_;    // by group

@@ -9,7 +9,7 @@ namespace {
 
 constexpr const char* kValidationLayer = "VK_LAYER_KHRONOS_validation";
 
-bool hasLayer(const char* name) {
+Result<bool> hasLayer(const char* name) {
     uint32_t count = 0;
     DPL_VK(vkEnumerateInstanceLayerProperties(&count, nullptr));
     std::vector<VkLayerProperties> layers(count);
@@ -18,7 +18,7 @@ bool hasLayer(const char* name) {
     return std::any_of(layers.begin(), layers.end(), [&](const auto& layer) { return std::strcmp(layer.layerName, name) == 0; });
 }
 
-bool hasSwapchains(VkPhysicalDevice physical) {
+Result<bool> hasSwapchains(VkPhysicalDevice physical) {
     uint32_t count = 0;
     DPL_VK(vkEnumerateDeviceExtensionProperties(physical, nullptr, &count, nullptr));
     std::vector<VkExtensionProperties> extensions(count);
@@ -58,22 +58,15 @@ int rankOf(VkPhysicalDeviceType type) {
 
 }  // namespace
 
-Device::Device(const Presentation& presentation) {
-    try {
-        makeInstance(presentation);
-        choosePhysical(presentation);
-        makeDevice();
-    } catch (...) {
-        destroy();
-        throw;
-    }
+Result<std::unique_ptr<Device>> Device::create(const Presentation& presentation) {
+    std::unique_ptr<Device> made(new Device);
+    DPL_SHELL_OK(made->makeInstance(presentation));
+    DPL_SHELL_OK(made->choosePhysical(presentation));
+    DPL_SHELL_OK(made->makeDevice());
+    return made;
 }
 
 Device::~Device() {
-    destroy();
-}
-
-void Device::destroy() {
     if (handles_.device) vkDestroyDevice(handles_.device, nullptr);
     if (!instance_) return;
     if (messenger_)
@@ -82,7 +75,7 @@ void Device::destroy() {
     vkDestroyInstance(instance_, nullptr);
 }
 
-void Device::makeInstance(const Presentation& presentation) {
+Status Device::makeInstance(const Presentation& presentation) {
     const bool validation = presentation.validation;
     std::vector<const char*> extensions = presentation.instanceExtensions;
     VkApplicationInfo application{VK_STRUCTURE_TYPE_APPLICATION_INFO};
@@ -95,8 +88,9 @@ void Device::makeInstance(const Presentation& presentation) {
     features.enabledValidationFeatureCount = 1;
     features.pEnabledValidationFeatures = &synchronisation;
     if (validation) {
-        if (!hasLayer(kValidationLayer))
-            throw std::runtime_error("the Vulkan validation layer is not installed (Debian: vulkan-validationlayers)");
+        DPL_SHELL_TRY(const bool installed, hasLayer(kValidationLayer));
+        if (!installed)
+            return Error{DPL_ERROR_UNSUPPORTED, "the Vulkan validation layer is not installed (Debian: vulkan-validationlayers)"};
         extensions.push_back(VK_EXT_DEBUG_UTILS_EXTENSION_NAME);
         extensions.push_back(VK_EXT_VALIDATION_FEATURES_EXTENSION_NAME);
         info.pNext = &features;
@@ -105,8 +99,10 @@ void Device::makeInstance(const Presentation& presentation) {
     }
     info.enabledExtensionCount = uint32_t(extensions.size());
     info.ppEnabledExtensionNames = extensions.data();
-    DPL_VK(vkCreateInstance(&info, nullptr, &instance_));
-    if (!validation) return;
+    VkInstance instance = VK_NULL_HANDLE;  // what a failed call writes is undefined
+    DPL_VK(vkCreateInstance(&info, nullptr, &instance));
+    instance_ = instance;
+    if (!validation) return {};
     VkDebugUtilsMessengerCreateInfoEXT messenger{VK_STRUCTURE_TYPE_DEBUG_UTILS_MESSENGER_CREATE_INFO_EXT};
     messenger.messageSeverity = VK_DEBUG_UTILS_MESSAGE_SEVERITY_WARNING_BIT_EXT | VK_DEBUG_UTILS_MESSAGE_SEVERITY_ERROR_BIT_EXT;
     messenger.messageType = VK_DEBUG_UTILS_MESSAGE_TYPE_VALIDATION_BIT_EXT;
@@ -118,11 +114,13 @@ void Device::makeInstance(const Presentation& presentation) {
         self.complaints_.push_back(data->pMessage);
         return VK_FALSE;
     };
-    DPL_VK(reinterpret_cast<PFN_vkCreateDebugUtilsMessengerEXT>(vkGetInstanceProcAddr(instance_, "vkCreateDebugUtilsMessengerEXT"))(
-        instance_, &messenger, nullptr, &messenger_));
+    const auto vkCreateDebugUtilsMessenger =
+        reinterpret_cast<PFN_vkCreateDebugUtilsMessengerEXT>(vkGetInstanceProcAddr(instance_, "vkCreateDebugUtilsMessengerEXT"));
+    DPL_VK_MAKE(messenger_, vkCreateDebugUtilsMessenger, instance_, messenger);
+    return {};
 }
 
-void Device::choosePhysical(const Presentation& presentation) {
+Status Device::choosePhysical(const Presentation& presentation) {
     uint32_t count = 0;
     DPL_VK(vkEnumeratePhysicalDevices(instance_, &count, nullptr));
     std::vector<VkPhysicalDevice> all(count);
@@ -132,16 +130,20 @@ void Device::choosePhysical(const Presentation& presentation) {
     for (VkPhysicalDevice physical : all) {
         VkPhysicalDeviceProperties properties{};
         vkGetPhysicalDeviceProperties(physical, &properties);
-        if (properties.apiVersion < VK_API_VERSION_1_1 || !hasSwapchains(physical)) continue;
+        if (properties.apiVersion < VK_API_VERSION_1_1) continue;
+        DPL_SHELL_TRY(const bool shows, hasSwapchains(physical));
+        if (!shows) continue;
         const int family = familyOf(instance_, physical, presentation), rank = rankOf(properties.deviceType);
         if (family < 0 || rank <= best) continue;
         best = rank;
         handles_.physical = physical, family_ = uint32_t(family), name_ = properties.deviceName;
     }
-    if (!handles_.physical) throw std::runtime_error("no Vulkan 1.1 device here can draw, compute and show pictures in a window");
+    if (!handles_.physical)
+        return Error{DPL_ERROR_UNSUPPORTED, "no Vulkan 1.1 device here can draw, compute and show pictures in a window"};
+    return {};
 }
 
-void Device::makeDevice() {
+Status Device::makeDevice() {
     VkPhysicalDeviceFeatures has{};
     vkGetPhysicalDeviceFeatures(physical(), &has);
     enabled_.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FEATURES_2;
@@ -160,8 +162,9 @@ void Device::makeDevice() {
     info.pQueueCreateInfos = &queue;
     info.enabledExtensionCount = 1;
     info.ppEnabledExtensionNames = &swapchain;
-    DPL_VK(vkCreateDevice(physical(), &info, nullptr, &handles_.device));
+    DPL_VK_MAKE(handles_.device, vkCreateDevice, physical(), info);
     vkGetDeviceQueue(device(), family_, 0, &queue_);
+    return {};
 }
 
 DplVulkanDevice Device::forDoppel() {
@@ -176,9 +179,10 @@ DplVulkanDevice Device::forDoppel() {
     return mine;
 }
 
-void Device::submit(const VkSubmitInfo& info, VkFence fence) {
+Status Device::submit(const VkSubmitInfo& info, VkFence fence) {
     std::lock_guard lock(queueMutex_);
     DPL_VK(vkQueueSubmit(queue_, 1, &info, fence));
+    return {};
 }
 
 VkResult Device::present(const VkPresentInfoKHR& info) {
@@ -186,32 +190,37 @@ VkResult Device::present(const VkPresentInfoKHR& info) {
     return vkQueuePresentKHR(queue_, &info);
 }
 
-void Device::waitIdle() {
+Status Device::waitIdle() {
     std::lock_guard lock(queueMutex_);
     DPL_VK(vkQueueWaitIdle(queue_));
+    return {};
 }
 
-void Device::runOnce(const std::function<void(VkCommandBuffer)>& record) {
+Status Device::runOnce(const std::function<void(VkCommandBuffer)>& record) {
     VkCommandPoolCreateInfo poolInfo{VK_STRUCTURE_TYPE_COMMAND_POOL_CREATE_INFO};
     poolInfo.queueFamilyIndex = family_;
     VkCommandPool pool = VK_NULL_HANDLE;
-    DPL_VK(vkCreateCommandPool(device(), &poolInfo, nullptr, &pool));
-    VkCommandBufferAllocateInfo allocation{VK_STRUCTURE_TYPE_COMMAND_BUFFER_ALLOCATE_INFO};
-    allocation.commandPool = pool;
-    allocation.commandBufferCount = 1;
-    VkCommandBuffer commands = VK_NULL_HANDLE;
-    DPL_VK(vkAllocateCommandBuffers(device(), &allocation, &commands));
-    VkCommandBufferBeginInfo begin{VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO};
-    begin.flags = VK_COMMAND_BUFFER_USAGE_ONE_TIME_SUBMIT_BIT;
-    DPL_VK(vkBeginCommandBuffer(commands, &begin));
-    record(commands);
-    DPL_VK(vkEndCommandBuffer(commands));
-    VkSubmitInfo info{VK_STRUCTURE_TYPE_SUBMIT_INFO};
-    info.commandBufferCount = 1;
-    info.pCommandBuffers = &commands;
-    submit(info, VK_NULL_HANDLE);
-    waitIdle();
+    DPL_VK_MAKE(pool, vkCreateCommandPool, device(), poolInfo);
+    const auto run = [&]() -> Status {
+        VkCommandBufferAllocateInfo allocation{VK_STRUCTURE_TYPE_COMMAND_BUFFER_ALLOCATE_INFO};
+        allocation.commandPool = pool;
+        allocation.commandBufferCount = 1;
+        VkCommandBuffer commands = VK_NULL_HANDLE;
+        DPL_VK(vkAllocateCommandBuffers(device(), &allocation, &commands));
+        VkCommandBufferBeginInfo begin{VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO};
+        begin.flags = VK_COMMAND_BUFFER_USAGE_ONE_TIME_SUBMIT_BIT;
+        DPL_VK(vkBeginCommandBuffer(commands, &begin));
+        record(commands);
+        DPL_VK(vkEndCommandBuffer(commands));
+        VkSubmitInfo info{VK_STRUCTURE_TYPE_SUBMIT_INFO};
+        info.commandBufferCount = 1;
+        info.pCommandBuffers = &commands;
+        DPL_SHELL_OK(submit(info, VK_NULL_HANDLE));
+        return waitIdle();
+    };
+    Status done = run();
     vkDestroyCommandPool(device(), pool, nullptr);
+    return done;
 }
 
 std::vector<std::string> Device::complaints() const {

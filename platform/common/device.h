@@ -5,6 +5,7 @@
 #include <doppel/doppel_vulkan.h>
 
 #include <functional>
+#include <memory>
 #include <mutex>
 #include <string>
 #include <vector>
@@ -24,9 +25,9 @@ struct Presentation {
 
 class Device {
 public:
-    /** Takes the best device that can show pictures: a discrete GPU before an integrated one before an emulated one. Throws a sentence if
-     *  there is no such device, or no validation layer where one is wanted. */
-    explicit Device(const Presentation& presentation);
+    /** Takes the best device that can show pictures: a discrete GPU before an integrated one before an emulated one.
+     *  DPL_ERROR_UNSUPPORTED: there is no such device, or no validation layer where one is wanted; the sentence says which. */
+    static Result<std::unique_ptr<Device>> create(const Presentation& presentation);
     ~Device();
     Device(const Device&) = delete;
     Device& operator=(const Device&) = delete;
@@ -42,20 +43,20 @@ public:
     /** For dplCreateVulkanContext. Doppel takes the queue's lock through it, so it may load on another thread. */
     DplVulkanDevice forDoppel();
 
-    void submit(const VkSubmitInfo& info, VkFence fence);
+    Status submit(const VkSubmitInfo& info, VkFence fence);
     VkResult present(const VkPresentInfoKHR& info);
-    void waitIdle();
+    Status waitIdle();
     /** Records commands, submits them and waits. For start-up only. */
-    void runOnce(const std::function<void(VkCommandBuffer)>& record);
+    Status runOnce(const std::function<void(VkCommandBuffer)>& record);
 
     /** Warnings and errors of the validation layer so far. Any thread. */
     std::vector<std::string> complaints() const;
 
 private:
-    void makeInstance(const Presentation& presentation);
-    void choosePhysical(const Presentation& presentation);
-    void makeDevice();
-    void destroy();
+    Device() = default;
+    Status makeInstance(const Presentation& presentation);
+    Status choosePhysical(const Presentation& presentation);
+    Status makeDevice();
 
     VkInstance instance_ = VK_NULL_HANDLE;
     VkDebugUtilsMessengerEXT messenger_ = VK_NULL_HANDLE;

@@ -32,15 +32,19 @@ void writeClipFromWorld(const DplCamera& view, float* columns) {
 
 }  // namespace
 
-Room::Room(const VulkanHandles& on, const RoomPass& pass) : on_(on) {
+Result<std::unique_ptr<Room>> Room::create(const VulkanHandles& on, const RoomPass& pass) {
+    std::unique_ptr<Room> made(new Room(on));
     const VkPushConstantRange push{VK_SHADER_STAGE_VERTEX_BIT, 0, sizeof(Push)};
     VkPipelineLayoutCreateInfo layout{VK_STRUCTURE_TYPE_PIPELINE_LAYOUT_CREATE_INFO};
     layout.pushConstantRangeCount = 1;
     layout.pPushConstantRanges = &push;
-    DPL_VK(vkCreatePipelineLayout(on.device, &layout, nullptr, &layout_));
-    for (const RoomLight light : {RoomLight::Dark, RoomLight::Bright}) pipelines_[int(light)] = makePipeline(pass, light);
-    vertices_ = makeHostBuffer(on, maxRoomVertices() * sizeof(RoomVertex), VK_BUFFER_USAGE_VERTEX_BUFFER_BIT);
-    build({});
+    DPL_VK_MAKE(made->layout_, vkCreatePipelineLayout, on.device, layout);
+    for (const RoomLight light : {RoomLight::Dark, RoomLight::Bright}) {
+        DPL_SHELL_TRY(made->pipelines_[int(light)], made->makePipeline(pass, light));
+    }
+    DPL_SHELL_TRY(made->vertices_, makeHostBuffer(on, maxRoomVertices() * sizeof(RoomVertex), VK_BUFFER_USAGE_VERTEX_BUFFER_BIT));
+    made->build({});
+    return made;
 }
 
 Room::~Room() {
@@ -55,7 +59,7 @@ void Room::build(const RoomPlan& plan) {
     vertexCount_ = uint32_t(mesh.size());
 }
 
-VkPipeline Room::makePipeline(const RoomPass& pass, RoomLight light) const {
+Result<VkPipeline> Room::makePipeline(const RoomPass& pass, RoomLight light) const {
     const VkBool32 bright = light == RoomLight::Bright;
     const VkSpecializationMapEntry entry{0, 0, sizeof bright};
     const VkSpecializationInfo special{1, &entry, sizeof bright, &bright};

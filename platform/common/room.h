@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 // A room for avatars to stand in, drawn inside a render pass of the shell. Colours are linear light; depth is reversed and infinite.
 //
-//   Room room({physical, device}, {renderPass, 0, 4, 0});
-//   room.build({floorY, stands});
-//   each frame, inside the render pass:  room.record(commands, extent, &view, 1, RoomLight::Dark);
+//   auto room = Room::create({physical, device}, {renderPass, 0, 4, 0});
+//   (*room)->build({floorY, stands});
+//   each frame, inside the render pass:  (*room)->record(commands, extent, &view, 1, RoomLight::Dark);
 #pragma once
 
 #include <doppel/doppel.h>
+
+#include <memory>
 
 #include "platform/common/room_mesh.h"
 #include "platform/common/vulkan_help.h"
@@ -26,8 +28,8 @@ struct RoomPass {
 
 class Room {
 public:
-    /** Makes two pipelines; submits nothing. The device must outlive the room. Throws VulkanError. */
-    Room(const VulkanHandles& on, const RoomPass& pass);
+    /** Makes two pipelines; submits nothing. The device must outlive the room. */
+    static Result<std::unique_ptr<Room>> create(const VulkanHandles& on, const RoomPass& pass);
     ~Room();
     Room(const Room&) = delete;
     Room& operator=(const Room&) = delete;
@@ -40,7 +42,8 @@ public:
     void record(VkCommandBuffer commands, VkExtent2D extent, const DplCamera* views, uint32_t viewCount, RoomLight light) const;
 
 private:
-    VkPipeline makePipeline(const RoomPass& pass, RoomLight light) const;
+    explicit Room(const VulkanHandles& on) : on_(on) {}
+    Result<VkPipeline> makePipeline(const RoomPass& pass, RoomLight light) const;
 
     VulkanHandles on_;
     VkPipelineLayout layout_ = VK_NULL_HANDLE;

@@ -7,7 +7,7 @@ namespace dpl::platform {
 namespace {
 
 /** A format of display values without conversion: the picture is encoded already. */
-VkSurfaceFormatKHR formatOf(const Device& device, VkSurfaceKHR surface) {
+Result<VkSurfaceFormatKHR> formatOf(const Device& device, VkSurfaceKHR surface) {
     uint32_t count = 0;
     DPL_VK(vkGetPhysicalDeviceSurfaceFormatsKHR(device.physical(), surface, &count, nullptr));
     std::vector<VkSurfaceFormatKHR> formats(count);
@@ -15,7 +15,7 @@ VkSurfaceFormatKHR formatOf(const Device& device, VkSurfaceKHR surface) {
     formats.resize(count);
     for (const VkSurfaceFormatKHR& format : formats)
         if (format.format == VK_FORMAT_B8G8R8A8_UNORM || format.format == VK_FORMAT_R8G8B8A8_UNORM) return format;
-    throw std::runtime_error("the window takes neither BGRA8 nor RGBA8 pictures");
+    return Error{DPL_ERROR_UNSUPPORTED, "the window takes neither BGRA8 nor RGBA8 pictures"};
 }
 
 VkImageMemoryBarrier barrierOf(VkImage image, VkImageLayout from, VkImageLayout to) {
@@ -29,17 +29,16 @@ VkImageMemoryBarrier barrierOf(VkImage image, VkImageLayout from, VkImageLayout 
 
 }  // namespace
 
-Swapchain::Swapchain(Device& device, VkSurfaceKHR surface, VkImageUsageFlags usage) : device_(device), surface_(surface), usage_(usage) {
+Result<std::unique_ptr<Swapchain>> Swapchain::create(Device& device, VkSurfaceKHR surface, VkImageUsageFlags usage) {
+    std::unique_ptr<Swapchain> made(new Swapchain(device, surface, usage));
     VkBool32 presents = VK_FALSE;
-    const VkResult asked = vkGetPhysicalDeviceSurfaceSupportKHR(device.physical(), device.family(), surface, &presents);
-    if (asked == VK_SUCCESS && presents) return;
-    destroy();
-    checkVulkan(asked, "vkGetPhysicalDeviceSurfaceSupportKHR");
-    throw std::runtime_error("the graphics device " + device.name() + " cannot show pictures in this window");
+    DPL_VK(vkGetPhysicalDeviceSurfaceSupportKHR(device.physical(), device.family(), surface, &presents));
+    if (!presents) return Error{DPL_ERROR_UNSUPPORTED, "the graphics device " + device.name() + " cannot show pictures in this window"};
+    return made;
 }
 
-bool Swapchain::make(VkExtent2D windowPx) {
-    device_.waitIdle();
+Result<bool> Swapchain::make(VkExtent2D windowPx) {
+    DPL_SHELL_OK(device_.waitIdle());
     VkSurfaceCapabilitiesKHR can{};
     DPL_VK(vkGetPhysicalDeviceSurfaceCapabilitiesKHR(device_.physical(), surface_, &can));
     VkExtent2D size = can.currentExtent;
@@ -47,8 +46,8 @@ bool Swapchain::make(VkExtent2D windowPx) {
         size = {std::clamp(windowPx.width, can.minImageExtent.width, can.maxImageExtent.width),
                 std::clamp(windowPx.height, can.minImageExtent.height, can.maxImageExtent.height)};
     if (size.width == 0 || size.height == 0) return false;
-    if ((can.supportedUsageFlags & usage_) != usage_) throw std::runtime_error("pictures cannot be put into the window");
-    const VkSurfaceFormatKHR format = formatOf(device_, surface_);
+    if ((can.supportedUsageFlags & usage_) != usage_) return Error{DPL_ERROR_UNSUPPORTED, "pictures cannot be put into the window"};
+    DPL_SHELL_TRY(const VkSurfaceFormatKHR format, formatOf(device_, surface_));
     // Displays that turn the images by a quarter give the size of the window and take images of the size before the turn.
     constexpr VkSurfaceTransformFlagsKHR kQuarterTurns = VK_SURFACE_TRANSFORM_ROTATE_90_BIT_KHR | VK_SURFACE_TRANSFORM_ROTATE_270_BIT_KHR;
     if (can.currentTransform & kQuarterTurns) std::swap(size.width, size.height);
@@ -70,7 +69,7 @@ bool Swapchain::make(VkExtent2D windowPx) {
     VkSwapchainKHR made = VK_NULL_HANDLE;
     DPL_VK(vkCreateSwapchainKHR(device_.device(), &info, nullptr, &made));
     vkDestroySwapchainKHR(device_.device(), old, nullptr);
-    swapchain_ = made, size_ = size, madeFor_ = windowPx, stale_ = false;
+    swapchain_ = made, size_ = size, madeFor_ = windowPx, stale_ = true;  // until all that belongs to it is made
     format_ = format.format, transform_ = can.currentTransform, ++generation_;
     uint32_t count = 0;
     DPL_VK(vkGetSwapchainImagesKHR(device_.device(), swapchain_, &count, nullptr));
@@ -79,7 +78,8 @@ bool Swapchain::make(VkExtent2D windowPx) {
     destroySemaphores();
     drawn_.resize(count);
     const VkSemaphoreCreateInfo semaphore{VK_STRUCTURE_TYPE_SEMAPHORE_CREATE_INFO};
-    for (VkSemaphore& s : drawn_) DPL_VK(vkCreateSemaphore(device_.device(), &semaphore, nullptr, &s));
+    for (VkSemaphore& s : drawn_) DPL_VK_MAKE(s, vkCreateSemaphore, device_.device(), semaphore);
+    stale_ = false;
     return true;
 }
 
@@ -88,25 +88,28 @@ void Swapchain::destroySemaphores() {
     drawn_.clear();
 }
 
-void Swapchain::destroy() {
+Swapchain::~Swapchain() {
     destroySemaphores();
     vkDestroySwapchainKHR(device_.device(), swapchain_, nullptr);
     vkDestroySurfaceKHR(device_.instance(), surface_, nullptr);
 }
 
-std::optional<uint32_t> Swapchain::acquire(VkExtent2D windowPx, VkSemaphore ready, uint64_t timeoutNs) {
-    if (windowPx.width == 0 || windowPx.height == 0) return std::nullopt;
+Result<std::optional<uint32_t>> Swapchain::acquire(VkExtent2D windowPx, VkSemaphore ready, uint64_t timeoutNs) {
+    std::optional<uint32_t> acquired;
+    if (windowPx.width == 0 || windowPx.height == 0) return acquired;
     for (int attempt = 0; attempt < 3; ++attempt) {
-        const bool other = madeFor_.width != windowPx.width || madeFor_.height != windowPx.height;
-        if ((stale_ || other) && !make(windowPx)) return std::nullopt;
+        if (stale_ || madeFor_.width != windowPx.width || madeFor_.height != windowPx.height) {
+            DPL_SHELL_TRY(const bool sized, make(windowPx));
+            if (!sized) return acquired;
+        }
         uint32_t index = 0;
         const VkResult result = vkAcquireNextImageKHR(device_.device(), swapchain_, timeoutNs, ready, VK_NULL_HANDLE, &index);
-        if (result == VK_SUCCESS || result == VK_SUBOPTIMAL_KHR) return index;
-        if (result == VK_TIMEOUT || result == VK_NOT_READY) return std::nullopt;
-        if (result != VK_ERROR_OUT_OF_DATE_KHR) checkVulkan(result, "vkAcquireNextImageKHR");
+        if (result == VK_SUCCESS || result == VK_SUBOPTIMAL_KHR) acquired = index;
+        if (acquired || result == VK_TIMEOUT || result == VK_NOT_READY) return acquired;
+        if (result != VK_ERROR_OUT_OF_DATE_KHR) return vulkanError(result, "vkAcquireNextImageKHR");
         stale_ = true;
     }
-    return std::nullopt;  // the window changes faster than images are made; the next frame tries again
+    return acquired;  // the window changes faster than images are made; the next frame tries again
 }
 
 void Swapchain::recordCopy(VkCommandBuffer commands, uint32_t index, VkImage picture, VkExtent2D pictureSize) const {
@@ -127,7 +130,7 @@ void Swapchain::recordCopy(VkCommandBuffer commands, uint32_t index, VkImage pic
                          &after);
 }
 
-void Swapchain::present(uint32_t index) {
+Status Swapchain::present(uint32_t index) {
     VkPresentInfoKHR info{VK_STRUCTURE_TYPE_PRESENT_INFO_KHR};
     info.waitSemaphoreCount = 1;
     info.pWaitSemaphores = &drawn_[index];
@@ -137,8 +140,9 @@ void Swapchain::present(uint32_t index) {
     const VkResult result = device_.present(info);
     if (result == VK_SUBOPTIMAL_KHR || result == VK_ERROR_OUT_OF_DATE_KHR)
         stale_ = true;
-    else
-        checkVulkan(result, "vkQueuePresentKHR");
+    else if (result != VK_SUCCESS)
+        return vulkanError(result, "vkQueuePresentKHR");
+    return {};
 }
 
 }  // namespace dpl::platform

@@ -11,17 +11,18 @@ namespace dpl::platform {
 
 class Swapchain {
 public:
-    /** Takes ownership of the surface, also if it throws. usage: of the images, TRANSFER_DST or COLOR_ATTACHMENT. Throws if the device
-     *  cannot show pictures there. The images are made by the first acquire. */
-    Swapchain(Device& device, VkSurfaceKHR surface, VkImageUsageFlags usage);
+    /** Takes ownership of the surface, also if it fails. usage: of the images, TRANSFER_DST or COLOR_ATTACHMENT. DPL_ERROR_UNSUPPORTED:
+     *  the device cannot show pictures there. The images are made by the first acquire. */
+    static Result<std::unique_ptr<Swapchain>> create(Device& device, VkSurfaceKHR surface, VkImageUsageFlags usage);
     /** Submitted commands that use its images must have ended. */
-    ~Swapchain() { destroy(); }
+    ~Swapchain();
     Swapchain(const Swapchain&) = delete;
     Swapchain& operator=(const Swapchain&) = delete;
 
     /** An image that may be written once `ready` is signalled. Makes the images anew if the window has changed. Nothing while the window is
-     *  minimised, or if there is no image within the time; then `ready` stays unsignalled. */
-    std::optional<uint32_t> acquire(VkExtent2D windowPx, VkSemaphore ready, uint64_t timeoutNs = UINT64_MAX);
+     *  minimised, or if there is no image within the time; then `ready` stays unsignalled. DPL_ERROR_UNSUPPORTED: the window takes no
+     *  pictures of ours. */
+    Result<std::optional<uint32_t>> acquire(VkExtent2D windowPx, VkSemaphore ready, uint64_t timeoutNs = UINT64_MAX);
     /** Grows whenever acquire has made the images anew; 0 before. What was made for them is of no use then. */
     uint64_t generation() const { return generation_; }
     VkExtent2D size() const { return size_; }
@@ -33,11 +34,12 @@ public:
     void recordCopy(VkCommandBuffer commands, uint32_t index, VkImage picture, VkExtent2D pictureSize) const;
     /** The semaphore that the submission which writes the image signals. */
     VkSemaphore drawn(uint32_t index) const { return drawn_[index]; }
-    void present(uint32_t index);
+    Status present(uint32_t index);
 
 private:
-    bool make(VkExtent2D windowPx);
-    void destroy();
+    Swapchain(Device& device, VkSurfaceKHR surface, VkImageUsageFlags usage) : device_(device), surface_(surface), usage_(usage) {}
+    /** False: the window has no size. */
+    Result<bool> make(VkExtent2D windowPx);
     void destroySemaphores();
 
     Device& device_;

@@ -4,69 +4,46 @@
 #include <algorithm>
 
 namespace dpl::platform {
-namespace {
-
-const char* nameOf(VkResult code) {
-    switch (code) {
-        case VK_ERROR_OUT_OF_HOST_MEMORY:
-            return "out of memory";
-        case VK_ERROR_OUT_OF_DEVICE_MEMORY:
-            return "out of graphics memory";
-        case VK_ERROR_DEVICE_LOST:
-            return "the graphics device was lost";
-        case VK_ERROR_SURFACE_LOST_KHR:
-            return "the window's surface was lost";
-        case VK_ERROR_INCOMPATIBLE_DRIVER:
-            return "no Vulkan driver is installed";
-        default:
-            return nullptr;
-    }
-}
-
-}  // namespace
-
-VulkanError::VulkanError(VkResult result, const std::string& call)
-    : std::runtime_error(std::string(nameOf(result) ? nameOf(result) : "Vulkan failed with code " + std::to_string(int(result))) + " (" +
-                         call.substr(0, call.find('(')) + ")"),
-      code(result) {}
-
-void checkVulkan(VkResult result, const char* call) {
-    if (result != VK_SUCCESS) throw VulkanError(result, call);
-}
-
-uint32_t memoryTypeOf(VkPhysicalDevice physical, uint32_t allowed, VkMemoryPropertyFlags wanted) {
+Result<uint32_t> memoryTypeOf(VkPhysicalDevice physical, uint32_t allowed, VkMemoryPropertyFlags wanted) {
     VkPhysicalDeviceMemoryProperties memory{};
     vkGetPhysicalDeviceMemoryProperties(physical, &memory);
     for (uint32_t i = 0; i < memory.memoryTypeCount; ++i)
         if ((allowed >> i & 1) && (memory.memoryTypes[i].propertyFlags & wanted) == wanted) return i;
-    throw std::runtime_error("the graphics device has no memory of the kind that is needed");
+    return Error{DPL_ERROR_UNSUPPORTED, "the graphics device has no memory of the kind that is needed"};
 }
 
-Image makeImage(const VulkanHandles& on, VkFormat format, VkExtent2D size, uint32_t layers, uint32_t samples, VkImageUsageFlags usage,
-                VkImageAspectFlags aspect) {
+Result<Image> makeImage(const VulkanHandles& on, VkFormat format, VkExtent2D size, uint32_t layers, uint32_t samples,
+                        VkImageUsageFlags usage, VkImageAspectFlags aspect) {
     Image made;
-    VkImageCreateInfo info{VK_STRUCTURE_TYPE_IMAGE_CREATE_INFO};
-    info.imageType = VK_IMAGE_TYPE_2D;
-    info.format = format;
-    info.extent = {size.width, size.height, 1};
-    info.mipLevels = 1;
-    info.arrayLayers = std::max(1u, layers);
-    info.samples = VkSampleCountFlagBits(samples);
-    info.usage = usage;
-    DPL_VK(vkCreateImage(on.device, &info, nullptr, &made.image));
-    VkMemoryRequirements needs{};
-    vkGetImageMemoryRequirements(on.device, made.image, &needs);
-    VkMemoryAllocateInfo allocation{VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO};
-    allocation.allocationSize = needs.size;
-    allocation.memoryTypeIndex = memoryTypeOf(on.physical, needs.memoryTypeBits, 0);
-    DPL_VK(vkAllocateMemory(on.device, &allocation, nullptr, &made.memory));
-    DPL_VK(vkBindImageMemory(on.device, made.image, made.memory, 0));
-    VkImageViewCreateInfo view{VK_STRUCTURE_TYPE_IMAGE_VIEW_CREATE_INFO};
-    view.image = made.image;
-    view.viewType = layers > 0 ? VK_IMAGE_VIEW_TYPE_2D_ARRAY : VK_IMAGE_VIEW_TYPE_2D;
-    view.format = format;
-    view.subresourceRange = {aspect, 0, 1, 0, info.arrayLayers};
-    DPL_VK(vkCreateImageView(on.device, &view, nullptr, &made.view));
+    const auto make = [&]() -> Status {
+        VkImageCreateInfo info{VK_STRUCTURE_TYPE_IMAGE_CREATE_INFO};
+        info.imageType = VK_IMAGE_TYPE_2D;
+        info.format = format;
+        info.extent = {size.width, size.height, 1};
+        info.mipLevels = 1;
+        info.arrayLayers = std::max(1u, layers);
+        info.samples = VkSampleCountFlagBits(samples);
+        info.usage = usage;
+        DPL_VK_MAKE(made.image, vkCreateImage, on.device, info);
+        VkMemoryRequirements needs{};
+        vkGetImageMemoryRequirements(on.device, made.image, &needs);
+        VkMemoryAllocateInfo allocation{VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO};
+        allocation.allocationSize = needs.size;
+        DPL_SHELL_TRY(allocation.memoryTypeIndex, memoryTypeOf(on.physical, needs.memoryTypeBits, 0));
+        DPL_VK_MAKE(made.memory, vkAllocateMemory, on.device, allocation);
+        DPL_VK(vkBindImageMemory(on.device, made.image, made.memory, 0));
+        VkImageViewCreateInfo view{VK_STRUCTURE_TYPE_IMAGE_VIEW_CREATE_INFO};
+        view.image = made.image;
+        view.viewType = layers > 0 ? VK_IMAGE_VIEW_TYPE_2D_ARRAY : VK_IMAGE_VIEW_TYPE_2D;
+        view.format = format;
+        view.subresourceRange = {aspect, 0, 1, 0, info.arrayLayers};
+        DPL_VK_MAKE(made.view, vkCreateImageView, on.device, view);
+        return {};
+    };
+    if (const Status done = make(); !done) {
+        destroyImage(on, made);
+        return done.error();
+    }
     return made;
 }
 
@@ -77,21 +54,28 @@ void destroyImage(const VulkanHandles& on, Image& image) {
     image = {};
 }
 
-HostBuffer makeHostBuffer(const VulkanHandles& on, VkDeviceSize bytes, VkBufferUsageFlags usage) {
+Result<HostBuffer> makeHostBuffer(const VulkanHandles& on, VkDeviceSize bytes, VkBufferUsageFlags usage) {
     HostBuffer made;
-    VkBufferCreateInfo info{VK_STRUCTURE_TYPE_BUFFER_CREATE_INFO};
-    info.size = bytes;
-    info.usage = usage;
-    DPL_VK(vkCreateBuffer(on.device, &info, nullptr, &made.buffer));
-    VkMemoryRequirements needs{};
-    vkGetBufferMemoryRequirements(on.device, made.buffer, &needs);
-    VkMemoryAllocateInfo allocation{VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO};
-    allocation.allocationSize = needs.size;
-    allocation.memoryTypeIndex =
-        memoryTypeOf(on.physical, needs.memoryTypeBits, VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT | VK_MEMORY_PROPERTY_HOST_COHERENT_BIT);
-    DPL_VK(vkAllocateMemory(on.device, &allocation, nullptr, &made.memory));
-    DPL_VK(vkBindBufferMemory(on.device, made.buffer, made.memory, 0));
-    DPL_VK(vkMapMemory(on.device, made.memory, 0, VK_WHOLE_SIZE, 0, &made.mapped));
+    const auto make = [&]() -> Status {
+        VkBufferCreateInfo info{VK_STRUCTURE_TYPE_BUFFER_CREATE_INFO};
+        info.size = bytes;
+        info.usage = usage;
+        DPL_VK_MAKE(made.buffer, vkCreateBuffer, on.device, info);
+        VkMemoryRequirements needs{};
+        vkGetBufferMemoryRequirements(on.device, made.buffer, &needs);
+        VkMemoryAllocateInfo allocation{VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO};
+        allocation.allocationSize = needs.size;
+        constexpr VkMemoryPropertyFlags kWanted = VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT | VK_MEMORY_PROPERTY_HOST_COHERENT_BIT;
+        DPL_SHELL_TRY(allocation.memoryTypeIndex, memoryTypeOf(on.physical, needs.memoryTypeBits, kWanted));
+        DPL_VK_MAKE(made.memory, vkAllocateMemory, on.device, allocation);
+        DPL_VK(vkBindBufferMemory(on.device, made.buffer, made.memory, 0));
+        DPL_VK(vkMapMemory(on.device, made.memory, 0, VK_WHOLE_SIZE, 0, &made.mapped));
+        return {};
+    };
+    if (const Status done = make(); !done) {
+        destroyHostBuffer(on, made);
+        return done.error();
+    }
     return made;
 }
 
@@ -101,31 +85,38 @@ void destroyHostBuffer(const VulkanHandles& on, HostBuffer& buffer) {
     buffer = {};
 }
 
-VkFramebuffer makeFramebuffer(VkDevice device, VkRenderPass pass, std::span<const VkImageView> views, VkExtent2D size) {
+Result<VkFramebuffer> makeFramebuffer(VkDevice device, VkRenderPass pass, std::span<const VkImageView> views, VkExtent2D size) {
     VkFramebufferCreateInfo info{VK_STRUCTURE_TYPE_FRAMEBUFFER_CREATE_INFO};
     info.renderPass = pass;
     info.attachmentCount = uint32_t(views.size());
     info.pAttachments = views.data();
     info.width = size.width, info.height = size.height, info.layers = 1;
     VkFramebuffer made = VK_NULL_HANDLE;
-    DPL_VK(vkCreateFramebuffer(device, &info, nullptr, &made));
+    DPL_VK_MAKE(made, vkCreateFramebuffer, device, info);
     return made;
 }
 
-VkShaderModule makeShaderModule(VkDevice device, std::span<const uint32_t> words) {
+Result<VkShaderModule> makeShaderModule(VkDevice device, std::span<const uint32_t> words) {
     VkShaderModuleCreateInfo info{VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO};
     info.codeSize = words.size_bytes();
     info.pCode = words.data();
     VkShaderModule module = VK_NULL_HANDLE;
-    DPL_VK(vkCreateShaderModule(device, &info, nullptr, &module));
+    DPL_VK_MAKE(module, vkCreateShaderModule, device, info);
     return module;
 }
 
-VkPipeline makePipeline(VkDevice device, const TriangleDrawing& drawing) {
+Result<VkPipeline> makePipeline(VkDevice device, const TriangleDrawing& drawing) {
+    const auto vertex = makeShaderModule(device, drawing.vertexShader);
+    if (!vertex) return vertex.error();
+    const auto fragment = makeShaderModule(device, drawing.fragmentShader);
+    if (!fragment) {
+        vkDestroyShaderModule(device, *vertex, nullptr);
+        return fragment.error();
+    }
     VkPipelineShaderStageCreateInfo stages[2]{};
     stages[0].sType = stages[1].sType = VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO;
     stages[0].stage = VK_SHADER_STAGE_VERTEX_BIT, stages[1].stage = VK_SHADER_STAGE_FRAGMENT_BIT;
-    stages[0].module = makeShaderModule(device, drawing.vertexShader), stages[1].module = makeShaderModule(device, drawing.fragmentShader);
+    stages[0].module = *vertex, stages[1].module = *fragment;
     stages[0].pName = stages[1].pName = "main";
     stages[1].pSpecializationInfo = drawing.special;
     VkPipelineInputAssemblyStateCreateInfo assembly{VK_STRUCTURE_TYPE_PIPELINE_INPUT_ASSEMBLY_STATE_CREATE_INFO};
@@ -167,7 +158,7 @@ VkPipeline makePipeline(VkDevice device, const TriangleDrawing& drawing) {
     VkPipeline pipeline = VK_NULL_HANDLE;
     const VkResult made = vkCreateGraphicsPipelines(device, VK_NULL_HANDLE, 1, &info, nullptr, &pipeline);
     for (const auto& stage : stages) vkDestroyShaderModule(device, stage.module, nullptr);
-    checkVulkan(made, "vkCreateGraphicsPipelines");
+    if (made != VK_SUCCESS) return vulkanError(made, "vkCreateGraphicsPipelines");
     return pipeline;
 }
 

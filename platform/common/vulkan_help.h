@@ -1,25 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
-// Vulkan calls that every shell makes in the same way. Errors are exceptions, which the shell's main function turns into a sentence.
+// Vulkan calls that every shell makes in the same way. What fails leaves nothing behind.
 #pragma once
-
-#include <vulkan/vulkan.h>
 
 #include <cstdint>
 #include <optional>
 #include <span>
-#include <stdexcept>
-#include <string>
+
+#include "platform/common/errors.h"
 
 namespace dpl::platform {
-
-struct VulkanError : std::runtime_error {
-    VulkanError(VkResult code, const std::string& call);
-    VkResult code;
-};
-
-/** Throws VulkanError unless `result` is VK_SUCCESS. */
-void checkVulkan(VkResult result, const char* call);
-#define DPL_VK(call) ::dpl::platform::checkVulkan(call, #call)
 
 /** A device with the physical device it was made from. Owns nothing. */
 struct VulkanHandles {
@@ -27,8 +16,8 @@ struct VulkanHandles {
     VkDevice device = VK_NULL_HANDLE;
 };
 
-/** Index of a memory type among the bits of `allowed` with all `wanted` flags. Throws if there is none. */
-uint32_t memoryTypeOf(VkPhysicalDevice physical, uint32_t allowed, VkMemoryPropertyFlags wanted);
+/** Index of a memory type among the bits of `allowed` with all `wanted` flags. */
+Result<uint32_t> memoryTypeOf(VkPhysicalDevice physical, uint32_t allowed, VkMemoryPropertyFlags wanted);
 
 struct Image {
     VkImage image = VK_NULL_HANDLE;
@@ -37,8 +26,8 @@ struct Image {
 };
 
 /** A 2D image with one level in memory of its own. layers > 0: the view is a 2D array; 0: one layer, and the view is 2D. */
-Image makeImage(const VulkanHandles& on, VkFormat format, VkExtent2D size, uint32_t layers, uint32_t samples, VkImageUsageFlags usage,
-                VkImageAspectFlags aspect);
+Result<Image> makeImage(const VulkanHandles& on, VkFormat format, VkExtent2D size, uint32_t layers, uint32_t samples,
+                        VkImageUsageFlags usage, VkImageAspectFlags aspect);
 void destroyImage(const VulkanHandles& on, Image& image);
 
 /** A buffer that the CPU can read and write; it stays mapped, and its memory is coherent. */
@@ -47,13 +36,13 @@ struct HostBuffer {
     VkDeviceMemory memory = VK_NULL_HANDLE;
     void* mapped = nullptr;
 };
-HostBuffer makeHostBuffer(const VulkanHandles& on, VkDeviceSize bytes, VkBufferUsageFlags usage);
+Result<HostBuffer> makeHostBuffer(const VulkanHandles& on, VkDeviceSize bytes, VkBufferUsageFlags usage);
 void destroyHostBuffer(const VulkanHandles& on, HostBuffer& buffer);
 
-VkShaderModule makeShaderModule(VkDevice device, std::span<const uint32_t> words);
+Result<VkShaderModule> makeShaderModule(VkDevice device, std::span<const uint32_t> words);
 
 /** One layer, without flags. The views are in the order of the pass's attachments. */
-VkFramebuffer makeFramebuffer(VkDevice device, VkRenderPass pass, std::span<const VkImageView> views, VkExtent2D size);
+Result<VkFramebuffer> makeFramebuffer(VkDevice device, VkRenderPass pass, std::span<const VkImageView> views, VkExtent2D size);
 
 /** How lists of triangles are drawn into one colour attachment, which they replace. Viewport and scissor are dynamic. */
 struct TriangleDrawing {
@@ -66,6 +55,6 @@ struct TriangleDrawing {
     bool frontOnly = false;            // leaves out triangles that are clockwise in the image
     std::optional<VkCompareOp> depth;  // compares with stored depth; what passes is written. None: no depth
 };
-VkPipeline makePipeline(VkDevice device, const TriangleDrawing& drawing);
+Result<VkPipeline> makePipeline(VkDevice device, const TriangleDrawing& drawing);
 
 }  // namespace dpl::platform

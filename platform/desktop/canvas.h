@@ -8,6 +8,8 @@
 // All frames in flight share the images; the passes' dependencies keep them in order on one queue.
 #pragma once
 
+#include <memory>
+
 #include "platform/common/device.h"
 
 namespace dpl::platform {
@@ -17,13 +19,14 @@ constexpr uint32_t kCanvasSamples = 4;
 
 class Canvas {
 public:
-    explicit Canvas(Device& device);
+    /** Makes passes and pipelines. The device must live longer. */
+    static Result<std::unique_ptr<Canvas>> create(Device& device);
     ~Canvas();
     Canvas(const Canvas&) = delete;
     Canvas& operator=(const Canvas&) = delete;
 
-    /** Makes the images anew if the size differs. Waits for the queue then. */
-    void resize(VkExtent2D size);
+    /** Makes the images anew if the size differs. Waits for the queue then. After an error there are no images. */
+    Status resize(VkExtent2D size);
     VkExtent2D size() const { return size_; }
 
     VkRenderPass roomPass() const { return room_; }
@@ -41,9 +44,10 @@ public:
     VkImage picture() const { return picture_.image; }
 
 private:
-    void makePasses();
-    void makeFinishing();
-    void makeImages();
+    explicit Canvas(Device& device) : device_(device) {}
+    Status makePasses();
+    Status makeFinishing();
+    Status makeImages();
     void destroyImages();
     void begin(VkCommandBuffer commands, VkRenderPass pass, VkFramebuffer framebuffer) const;
 

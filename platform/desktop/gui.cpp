@@ -11,13 +11,32 @@ namespace {
 
 constexpr const char* kFont = "/usr/share/fonts/truetype/dejavu/DejaVuSans.ttf";
 
-void uploadFont(Device& device) {
+/** Ends a call of Dear ImGui in which Vulkan has failed. Without it the call would go on with handles that are not there, and crash. */
+struct ImGuiStopped {
+    VkResult result;
+};
+
+/** Runs calls of Dear ImGui that call Vulkan. No exception leaves it. */
+template <class Calls>
+Status guarded(Calls&& calls) {
+    try {
+        calls();
+    } catch (const ImGuiStopped& stopped) {
+        return vulkanError(stopped.result, "Dear ImGui");
+    }
+    return {};
+}
+
+Status uploadFont(Device& device) {
 #if IMGUI_VERSION_NUM >= 19000
     (void)device;
-    ImGui_ImplVulkan_CreateFontsTexture();  // submits by itself; no other thread uses the queue yet
+    return guarded([] { ImGui_ImplVulkan_CreateFontsTexture(); });  // submits by itself; no other thread uses the queue yet
 #else
-    device.runOnce([](VkCommandBuffer commands) { ImGui_ImplVulkan_CreateFontsTexture(commands); });
+    Status recorded;
+    DPL_SHELL_OK(device.runOnce(
+        [&recorded](VkCommandBuffer commands) { recorded = guarded([commands] { ImGui_ImplVulkan_CreateFontsTexture(commands); }); }));
     ImGui_ImplVulkan_DestroyFontUploadObjects();
+    return recorded;
 #endif
 }
 
@@ -33,37 +52,48 @@ void setStyle() {
 
 }  // namespace
 
-Gui::Gui(const Window& window, Device& device, VkRenderPass pass, uint32_t framesInFlight) : device_(device) {
+Result<std::unique_ptr<Gui>> Gui::create(const Window& window, Device& device, VkRenderPass pass, uint32_t framesInFlight) {
+    std::unique_ptr<Gui> made(new Gui(device));
+    DPL_SHELL_OK(made->make(window, pass, framesInFlight));
+    return made;
+}
+
+Status Gui::make(const Window& window, VkRenderPass pass, uint32_t framesInFlight) {
     const VkDescriptorPoolSize size{VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER, 8};
     VkDescriptorPoolCreateInfo pool{VK_STRUCTURE_TYPE_DESCRIPTOR_POOL_CREATE_INFO};
     pool.flags = VK_DESCRIPTOR_POOL_CREATE_FREE_DESCRIPTOR_SET_BIT;
     pool.maxSets = 8;
     pool.poolSizeCount = 1;
     pool.pPoolSizes = &size;
-    DPL_VK(vkCreateDescriptorPool(device.device(), &pool, nullptr, &pool_));
+    DPL_VK_MAKE(pool_, vkCreateDescriptorPool, device_.device(), pool);
 
     IMGUI_CHECKVERSION();
     ImGui::CreateContext();
+    begun_ = true;
     ImGuiIO& io = ImGui::GetIO();
     io.IniFilename = nullptr;  // panels have their places; nothing is written into the folder of the user
     if (access(kFont, R_OK) == 0) io.Fonts->AddFontFromFileTTF(kFont, 15);
     setStyle();
     ImGui_ImplGlfw_InitForVulkan(window.handle(), true);
     ImGui_ImplVulkan_InitInfo info{};
-    info.Instance = device.instance(), info.PhysicalDevice = device.physical(), info.Device = device.device();
-    info.QueueFamily = device.family(), info.Queue = device.queue();
+    info.Instance = device_.instance(), info.PhysicalDevice = device_.physical(), info.Device = device_.device();
+    info.QueueFamily = device_.family(), info.Queue = device_.queue();
     info.DescriptorPool = pool_;
     info.MinImageCount = info.ImageCount = framesInFlight;
     info.MSAASamples = VK_SAMPLE_COUNT_1_BIT;
-    info.CheckVkResultFn = [](VkResult result) { checkVulkan(result, "Dear ImGui"); };
-    ImGui_ImplVulkan_Init(&info, pass);
-    uploadFont(device);
+    info.CheckVkResultFn = [](VkResult result) {
+        if (result != VK_SUCCESS) throw ImGuiStopped{result};
+    };
+    DPL_SHELL_OK(guarded([&] { ImGui_ImplVulkan_Init(&info, pass); }));
+    return uploadFont(device_);
 }
 
 Gui::~Gui() {
-    ImGui_ImplVulkan_Shutdown();
-    ImGui_ImplGlfw_Shutdown();
-    ImGui::DestroyContext();
+    if (begun_) {
+        ImGui_ImplVulkan_Shutdown();
+        ImGui_ImplGlfw_Shutdown();
+        ImGui::DestroyContext();
+    }
     vkDestroyDescriptorPool(device_.device(), pool_, nullptr);
 }
 
@@ -82,8 +112,8 @@ void Gui::endFrame() {
     ImGui::Render();
 }
 
-void Gui::record(VkCommandBuffer commands) const {
-    ImGui_ImplVulkan_RenderDrawData(ImGui::GetDrawData(), commands);
+Status Gui::record(VkCommandBuffer commands) const {
+    return guarded([commands] { ImGui_ImplVulkan_RenderDrawData(ImGui::GetDrawData(), commands); });
 }
 
 }  // namespace dpl::platform

@@ -2,6 +2,8 @@
 // Dear ImGui with Debian's GLFW and Vulkan backends. What differs between the versions of Debian 12, Debian 13 and Ubuntu is in gui.cpp.
 #pragma once
 
+#include <memory>
+
 #include "platform/common/device.h"
 #include "platform/desktop/window.h"
 
@@ -11,7 +13,7 @@ class Gui {
 public:
     /** pass: a pass with one RGBA8 or BGRA8 attachment of display values and one sample. Uploads the font and waits for it. At most one at
      *  a time; window and device must outlive it. */
-    Gui(const Window& window, Device& device, VkRenderPass pass, uint32_t framesInFlight);
+    static Result<std::unique_ptr<Gui>> create(const Window& window, Device& device, VkRenderPass pass, uint32_t framesInFlight);
     ~Gui();
     Gui(const Gui&) = delete;
     Gui& operator=(const Gui&) = delete;
@@ -20,10 +22,14 @@ public:
     void beginFrame(VkExtent2D size);
     void endFrame();
     /** Inside the pass. */
-    void record(VkCommandBuffer commands) const;
+    Status record(VkCommandBuffer commands) const;
 
 private:
+    explicit Gui(Device& device) : device_(device) {}
+    Status make(const Window& window, VkRenderPass pass, uint32_t framesInFlight);
+
     Device& device_;
+    bool begun_ = false;  // Dear ImGui has something to end
     VkDescriptorPool pool_ = VK_NULL_HANDLE;
 };
 

@@ -11,93 +11,93 @@
 
 namespace dpl::platform {
 
-struct Shell::Parts {
-    explicit Parts(const ShellInfo& info)
-        : window(info.title, info.widthPx, info.heightPx),
-          windowDone(info, "window"),
-          device(window.presentation(info.validation)),
-          deviceDone(info, "Vulkan instance and device"),
-          canvas(device),
-          room(device.handles(), {canvas.roomPass(), 0, kCanvasSamples, 0}),
-          roomDone(info, "pipelines of the room"),
-          gui(window, device, canvas.finishingPass(), DPL_VULKAN_SLOTS),
-          guiDone(info, "font and pipeline of the panels"),
-          swapchain(device, window.makeSurface(device.instance()), VK_IMAGE_USAGE_TRANSFER_DST_BIT),
-          slots(device) {}
-
-    /** Tells that the members before it are made. */
-    struct Step {
-        Step(const ShellInfo& info, const char* what) {
-            if (info.onStep) info.onStep(what);
-        }
-    };
-
-    Window window;
-    Step windowDone;
-    Device device;
-    Step deviceDone;
-    Canvas canvas;
-    Room room;
-    Step roomDone;
-    Gui gui;
-    Step guiDone;
-    Swapchain swapchain;
-    FrameSlots slots;
+struct Shell::Parts {  // each needs those before it
+    std::unique_ptr<Window> window;
+    std::unique_ptr<Device> device;
+    std::unique_ptr<Canvas> canvas;
+    std::unique_ptr<Room> room;
+    std::unique_ptr<Gui> gui;
+    std::unique_ptr<Swapchain> swapchain;
+    std::unique_ptr<FrameSlots> slots;
 };
 
 Shell::Shell(const ShellInfo& info)
-    : parts_(std::make_unique<Parts>(info)), fixedPicture_(info.fixedPicture), picturePx_{info.widthPx, info.heightPx} {}
+    : parts_(std::make_unique<Parts>()), fixedPicture_(info.fixedPicture), picturePx_{info.widthPx, info.heightPx} {}
+
+Result<std::unique_ptr<Shell>> Shell::create(const ShellInfo& info) {
+    std::unique_ptr<Shell> made(new Shell(info));
+    DPL_SHELL_OK(made->makeParts(info));
+    return made;
+}
+
+Status Shell::makeParts(const ShellInfo& info) {
+    Parts& p = *parts_;
+    const auto done = [&info](const char* step) {
+        if (info.onStep) info.onStep(step);
+    };
+    DPL_SHELL_TRY(p.window, Window::create(info.title, info.widthPx, info.heightPx));
+    done("window");
+    DPL_SHELL_TRY(const Presentation presentation, p.window->presentation(info.validation));
+    DPL_SHELL_TRY(p.device, Device::create(presentation));
+    done("Vulkan instance and device");
+    DPL_SHELL_TRY(p.canvas, Canvas::create(*p.device));
+    DPL_SHELL_TRY(p.room, Room::create(p.device->handles(), {p.canvas->roomPass(), 0, kCanvasSamples, 0}));
+    done("pipelines of the room");
+    DPL_SHELL_TRY(p.gui, Gui::create(*p.window, *p.device, p.canvas->finishingPass(), DPL_VULKAN_SLOTS));
+    done("font and pipeline of the panels");
+    DPL_SHELL_TRY(const VkSurfaceKHR surface, p.window->makeSurface(p.device->instance()));
+    DPL_SHELL_TRY(p.swapchain, Swapchain::create(*p.device, surface, VK_IMAGE_USAGE_TRANSFER_DST_BIT));
+    DPL_SHELL_TRY(p.slots, FrameSlots::create(*p.device));
+    return {};
+}
 
 Shell::~Shell() {
-    try {
-        waitIdle();
-    } catch (const VulkanError&) {  // the device is lost; nothing runs on it
-    }
+    if (parts_->device) (void)waitIdle();  // fails if the device is lost; then nothing runs on it
 }
 
 DplVulkanDevice Shell::deviceForDoppel() {
-    return parts_->device.forDoppel();
+    return parts_->device->forDoppel();
 }
 
 DplResult Shell::makeComposer(DplContext context, uint32_t* composer) const {
     DplVulkanPass pass{};
     pass.structSize = sizeof pass;
-    pass.renderPass = parts_->canvas.composingPass();
+    pass.renderPass = parts_->canvas->composingPass();
     pass.colourFormat = kLightFormat;
     pass.samples = kCanvasSamples;
     return dplCreateVulkanComposer(context, &pass, composer);
 }
 
 const std::string& Shell::deviceName() const {
-    return parts_->device.name();
+    return parts_->device->name();
 }
 
 bool Shell::beginFrame() {
-    parts_->window.poll();
-    if (parts_->window.wantsClose()) return false;
-    if (!fixedPicture_) picturePx_ = parts_->window.sizePx();
-    parts_->gui.beginFrame(picturePx_);
+    parts_->window->poll();
+    if (parts_->window->wantsClose()) return false;
+    if (!fixedPicture_) picturePx_ = parts_->window->sizePx();
+    parts_->gui->beginFrame(picturePx_);
     return true;
 }
 
-std::string Shell::draw(const FrameContents& contents) {
-    parts_->gui.endFrame();
-    if (picturePx_.width == 0 || picturePx_.height == 0) return {};
-    parts_->canvas.resize(picturePx_);
+Result<std::string> Shell::draw(const FrameContents& contents) {
+    parts_->gui->endFrame();
+    if (picturePx_.width == 0 || picturePx_.height == 0) return std::string();
+    DPL_SHELL_OK(parts_->canvas->resize(picturePx_));
     const uint32_t slotIndex = uint32_t(frame_ % DPL_VULKAN_SLOTS);
-    const FrameSlot& slot = parts_->slots.all[slotIndex];
-    DPL_VK(vkWaitForFences(parts_->device.device(), 1, &slot.done, VK_TRUE, UINT64_MAX));
-    const std::optional<uint32_t> image = parts_->swapchain.acquire(parts_->window.sizePx(), slot.imageReady);
-    if (!image) return {};
+    const FrameSlot& slot = parts_->slots->all[slotIndex];
+    DPL_VK(vkWaitForFences(parts_->device->device(), 1, &slot.done, VK_TRUE, UINT64_MAX));
+    DPL_SHELL_TRY(const std::optional<uint32_t> image, parts_->swapchain->acquire(parts_->window->sizePx(), slot.imageReady));
+    if (!image) return std::string();
     ++frame_;
 
     const VkCommandBuffer commands = slot.commands;
     VkCommandBufferBeginInfo begin{VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO};
     begin.flags = VK_COMMAND_BUFFER_USAGE_ONE_TIME_SUBMIT_BIT;
     DPL_VK(vkBeginCommandBuffer(commands, &begin));
-    const Canvas& canvas = parts_->canvas;
+    const Canvas& canvas = *parts_->canvas;
     canvas.beginRoom(commands);
-    if (contents.room) parts_->room.record(commands, picturePx_, &contents.roomView, 1, *contents.room);
+    if (contents.room) parts_->room->record(commands, picturePx_, &contents.roomView, 1, *contents.room);
     vkCmdEndRenderPass(commands);
 
     std::string problem;
@@ -121,13 +121,13 @@ std::string Shell::draw(const FrameContents& contents) {
         problem = dplGetLastError();
     vkCmdEndRenderPass(commands);
     canvas.beginFinishing(commands);
-    if (contents.panels) parts_->gui.record(commands);
+    if (contents.panels) DPL_SHELL_OK(parts_->gui->record(commands));
     vkCmdEndRenderPass(commands);
-    parts_->swapchain.recordCopy(commands, *image, canvas.picture(), picturePx_);
+    parts_->swapchain->recordCopy(commands, *image, canvas.picture(), picturePx_);
     DPL_VK(vkEndCommandBuffer(commands));
 
     const VkPipelineStageFlags waitStage = VK_PIPELINE_STAGE_TRANSFER_BIT;
-    const VkSemaphore drawn = parts_->swapchain.drawn(*image);
+    const VkSemaphore drawn = parts_->swapchain->drawn(*image);
     VkSubmitInfo submit{VK_STRUCTURE_TYPE_SUBMIT_INFO};
     submit.waitSemaphoreCount = 1;
     submit.pWaitSemaphores = &slot.imageReady;
@@ -136,59 +136,61 @@ std::string Shell::draw(const FrameContents& contents) {
     submit.pCommandBuffers = &commands;
     submit.signalSemaphoreCount = 1;
     submit.pSignalSemaphores = &drawn;
-    DPL_VK(vkResetFences(parts_->device.device(), 1, &slot.done));
-    parts_->device.submit(submit, slot.done);
-    parts_->swapchain.present(*image);
+    DPL_VK(vkResetFences(parts_->device->device(), 1, &slot.done));
+    DPL_SHELL_OK(parts_->device->submit(submit, slot.done));
+    DPL_SHELL_OK(parts_->swapchain->present(*image));
     ++shown_;
-    if (contents.rgb) readPicture(*contents.rgb);
+    if (contents.rgb) DPL_SHELL_OK(readPicture(*contents.rgb));
     return problem;
 }
 
-void Shell::readPicture(std::vector<uint8_t>& rgb) {
+Status Shell::readPicture(std::vector<uint8_t>& rgb) {
     const size_t pixels = size_t(picturePx_.width) * picturePx_.height;
-    HostBuffer buffer = makeHostBuffer(parts_->device.handles(), pixels * 4, VK_BUFFER_USAGE_TRANSFER_DST_BIT);
-    parts_->device.runOnce([&](VkCommandBuffer commands) {
+    DPL_SHELL_TRY(HostBuffer buffer, makeHostBuffer(parts_->device->handles(), pixels * 4, VK_BUFFER_USAGE_TRANSFER_DST_BIT));
+    Status copied = parts_->device->runOnce([&](VkCommandBuffer commands) {
         VkBufferImageCopy region{};
         region.imageSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, 1};
         region.imageExtent = {picturePx_.width, picturePx_.height, 1};
-        vkCmdCopyImageToBuffer(commands, parts_->canvas.picture(), VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, buffer.buffer, 1, &region);
+        vkCmdCopyImageToBuffer(commands, parts_->canvas->picture(), VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, buffer.buffer, 1, &region);
         VkMemoryBarrier host{VK_STRUCTURE_TYPE_MEMORY_BARRIER};
         host.srcAccessMask = VK_ACCESS_TRANSFER_WRITE_BIT;
         host.dstAccessMask = VK_ACCESS_HOST_READ_BIT;
         vkCmdPipelineBarrier(commands, VK_PIPELINE_STAGE_TRANSFER_BIT, VK_PIPELINE_STAGE_HOST_BIT, 0, 1, &host, 0, nullptr, 0, nullptr);
     });
-    rgb.resize(pixels * 3);
+    rgb.resize(copied ? pixels * 3 : 0);
     const auto* rgba = static_cast<const uint8_t*>(buffer.mapped);
-    for (size_t i = 0; i < pixels; ++i)
+    for (size_t i = 0; i < rgb.size() / 3; ++i)
         for (size_t c = 0; c < 3; ++c) rgb[3 * i + c] = rgba[4 * i + c];
-    destroyHostBuffer(parts_->device.handles(), buffer);
+    destroyHostBuffer(parts_->device->handles(), buffer);
+    return copied;
 }
 
-void Shell::buildRoom(const RoomPlan& plan) {
-    waitIdle();
-    parts_->room.build(plan);
+Status Shell::buildRoom(const RoomPlan& plan) {
+    DPL_SHELL_OK(waitIdle());
+    parts_->room->build(plan);
+    return {};
 }
 
-void Shell::waitIdle() {
-    parts_->device.waitIdle();
+Status Shell::waitIdle() {
+    return parts_->device->waitIdle();
 }
 
 void Shell::hideWindow() {
-    parts_->window.hide();
+    parts_->window->hide();
 }
 
 std::vector<std::string> Shell::takeDropped() {
-    return parts_->window.takeDropped();
+    return parts_->window->takeDropped();
 }
 
 std::vector<int> Shell::takeKeys() {
-    std::vector<int> keys = parts_->window.takeKeys();
+    std::vector<int> keys = parts_->window->takeKeys();
     if (ImGui::GetIO().WantTextInput) keys.clear();
     return keys;
 }
 
 std::vector<std::string> Shell::complaints() const {
-    return parts_->device.complaints();
+    return parts_->device->complaints();
 }
 
 }  // namespace dpl::platform

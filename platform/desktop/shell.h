@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // A window in which an app draws avatars: the frame loop over window, device, swapchain, room and Dear ImGui. All functions are called from
-// the main thread, except where a comment says otherwise. Errors are exceptions with a sentence, unless they concern the avatars alone.
+// the main thread, except where a comment says otherwise. An error is that of the window or the device: after it, destroy the shell.
 //
-//   Shell shell({"title", 1280, 800});
-//   // on a worker: context = dplCreateVulkanContext(&shell.deviceForDoppel(), ...); composer = shell.makeComposer(context);
-//   while (shell.beginFrame()) {
+//   auto shell = Shell::create({"title", 1280, 800});
+//   // on a worker: context = dplCreateVulkanContext(&(*shell)->deviceForDoppel(), ...); composer = (*shell)->makeComposer(context);
+//   while ((*shell)->beginFrame()) {
 //       ImGui::Begin(...);
-//       shell.draw(contents);
+//       (*shell)->draw(contents);
 //   }
 #pragma once
 
@@ -43,7 +43,7 @@ struct FrameContents {
 
 class Shell {
 public:
-    explicit Shell(const ShellInfo& info);
+    static Result<std::unique_ptr<Shell>> create(const ShellInfo& info);
     /** Waits for the device. Destroy all contexts on the device first. */
     ~Shell();
     Shell(const Shell&) = delete;
@@ -60,15 +60,15 @@ public:
     /** Size of the picture of this frame; 0 × 0 while the window is minimised. */
     VkExtent2D picturePx() const { return picturePx_; }
     /** Ends the frame that beginFrame began: draws and shows it, unless the window is minimised. Returns why the avatars could not be
-     * drawn, or nothing. */
-    std::string draw(const FrameContents& contents);
+     * drawn, or "". */
+    Result<std::string> draw(const FrameContents& contents);
     /** Pictures that draw has shown. */
     uint64_t shown() const { return shown_; }
 
     /** Waits until no frame is in flight, then builds the room anew. */
-    void buildRoom(const RoomPlan& plan);
+    Status buildRoom(const RoomPlan& plan);
     /** Waits for the frames in flight, for example before avatars and contexts are destroyed. */
-    void waitIdle();
+    Status waitIdle();
     void hideWindow();
 
     std::vector<std::string> takeDropped();
@@ -78,7 +78,9 @@ public:
 
 private:
     struct Parts;
-    void readPicture(std::vector<uint8_t>& rgb);
+    explicit Shell(const ShellInfo& info);
+    Status makeParts(const ShellInfo& info);
+    Status readPicture(std::vector<uint8_t>& rgb);
 
     std::unique_ptr<Parts> parts_;
     bool fixedPicture_ = false;

@@ -4,10 +4,7 @@
 #define GLFW_INCLUDE_NONE
 #include <GLFW/glfw3.h>
 
-#include <stdexcept>
 #include <utility>
-
-#include "platform/common/vulkan_help.h"
 
 namespace dpl::platform {
 namespace {
@@ -19,35 +16,36 @@ std::string lastGlfwError() {
 
 }  // namespace
 
-Window::Window(const std::string& title, uint32_t widthPx, uint32_t heightPx) {
-    if (!glfwInit()) throw std::runtime_error("cannot open a window: " + lastGlfwError());
+Result<std::unique_ptr<Window>> Window::create(const std::string& title, uint32_t widthPx, uint32_t heightPx) {
+    std::unique_ptr<Window> made(new Window);
+    const auto failed = [] { return Error{DPL_ERROR_UNSUPPORTED, "cannot open a window: " + lastGlfwError()}; };
+    if (!glfwInit()) return failed();
     glfwWindowHint(GLFW_CLIENT_API, GLFW_NO_API);
-    window_ = glfwCreateWindow(int(widthPx), int(heightPx), title.c_str(), nullptr, nullptr);
-    if (!window_) {
-        const std::string reason = lastGlfwError();
-        glfwTerminate();
-        throw std::runtime_error("cannot open a window: " + reason);
-    }
-    glfwSetWindowUserPointer(window_, this);
-    glfwSetDropCallback(window_, [](GLFWwindow* window, int count, const char** paths) {
+    made->window_ = glfwCreateWindow(int(widthPx), int(heightPx), title.c_str(), nullptr, nullptr);
+    if (!made->window_) return failed();
+    glfwSetWindowUserPointer(made->window_, made.get());
+    glfwSetDropCallback(made->window_, [](GLFWwindow* window, int count, const char** paths) {
         auto& dropped = static_cast<Window*>(glfwGetWindowUserPointer(window))->dropped_;
         dropped.insert(dropped.end(), paths, paths + count);
     });
     // Dear ImGui installs its own callback later and passes keys on to this one.
-    glfwSetKeyCallback(window_, [](GLFWwindow* window, int key, int, int action, int) {
+    glfwSetKeyCallback(made->window_, [](GLFWwindow* window, int key, int, int action, int) {
         if (action == GLFW_PRESS) static_cast<Window*>(glfwGetWindowUserPointer(window))->keys_.push_back(key);
     });
+    return made;
 }
 
 Window::~Window() {
-    glfwDestroyWindow(window_);
+    if (window_) glfwDestroyWindow(window_);
     glfwTerminate();
 }
 
-Presentation Window::presentation(bool validation) const {
+Result<Presentation> Window::presentation(bool validation) const {
     uint32_t count = 0;
     const char** names = glfwGetRequiredInstanceExtensions(&count);
-    if (!names) throw std::runtime_error("no Vulkan driver can show pictures in a window here; install one (Debian: mesa-vulkan-drivers)");
+    if (!names)
+        return Error{DPL_ERROR_UNSUPPORTED,
+                     "no Vulkan driver can show pictures in a window here; install one (Debian: mesa-vulkan-drivers)"};
     Presentation made;
     made.applicationName = "doppel-viewer";
     made.instanceExtensions.assign(names, names + count);
@@ -58,7 +56,7 @@ Presentation Window::presentation(bool validation) const {
     return made;
 }
 
-VkSurfaceKHR Window::makeSurface(VkInstance instance) const {
+Result<VkSurfaceKHR> Window::makeSurface(VkInstance instance) const {
     VkSurfaceKHR surface = VK_NULL_HANDLE;
     DPL_VK(glfwCreateWindowSurface(instance, window_, nullptr, &surface));
     return surface;

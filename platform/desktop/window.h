@@ -4,6 +4,7 @@
 
 #include <vulkan/vulkan.h>
 
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -15,15 +16,15 @@ namespace dpl::platform {
 
 class Window {
 public:
-    /** Opens a window. Throws std::runtime_error with GLFW's reason if there is no display. At most one window at a time. */
-    Window(const std::string& title, uint32_t widthPx, uint32_t heightPx);
+    /** Opens a window. DPL_ERROR_UNSUPPORTED, with GLFW's reason: there is no display. At most one window at a time. */
+    static Result<std::unique_ptr<Window>> create(const std::string& title, uint32_t widthPx, uint32_t heightPx);
     ~Window();
     Window(const Window&) = delete;
     Window& operator=(const Window&) = delete;
 
-    /** For the device that shows pictures in this window; throws if the display cannot show Vulkan. */
-    Presentation presentation(bool validation) const;
-    VkSurfaceKHR makeSurface(VkInstance instance) const;
+    /** For the device that shows pictures in this window. DPL_ERROR_UNSUPPORTED: the display cannot show Vulkan. */
+    Result<Presentation> presentation(bool validation) const;
+    Result<VkSurfaceKHR> makeSurface(VkInstance instance) const;
 
     /** Handles events. While the window is minimised, waits for the next one, at most 0.1 s. */
     void poll();
@@ -40,6 +41,8 @@ public:
     GLFWwindow* handle() const { return window_; }
 
 private:
+    Window() = default;
+
     GLFWwindow* window_ = nullptr;
     std::vector<std::string> dropped_;
     std::vector<int> keys_;

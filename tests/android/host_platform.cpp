@@ -7,7 +7,7 @@
 #include <string>
 
 #include "platform/android/native/jni_platform.h"
-#include "platform/common/vulkan_help.h"
+#include "platform/common/errors.h"
 #include "tests/android/fake_window.h"
 
 namespace dpl::android {
@@ -26,12 +26,13 @@ std::vector<const char*> surfaceExtensions() {
     return {VK_KHR_SURFACE_EXTENSION_NAME, VK_EXT_HEADLESS_SURFACE_EXTENSION_NAME};
 }
 
-VkSurfaceKHR makeSurface(VkInstance instance, ANativeWindow* window) {
-    const auto create = reinterpret_cast<PFN_vkCreateHeadlessSurfaceEXT>(vkGetInstanceProcAddr(instance, "vkCreateHeadlessSurfaceEXT"));
+doppel::Result<VkSurfaceKHR> makeSurface(VkInstance instance, ANativeWindow* window) {
+    const auto vkCreateHeadlessSurface =
+        reinterpret_cast<PFN_vkCreateHeadlessSurfaceEXT>(vkGetInstanceProcAddr(instance, "vkCreateHeadlessSurfaceEXT"));
     const VkHeadlessSurfaceCreateInfoEXT info{VK_STRUCTURE_TYPE_HEADLESS_SURFACE_CREATE_INFO_EXT};
     VkSurfaceKHR surface = VK_NULL_HANDLE;
     dplTestNextWindow(window);
-    DPL_VK(create(instance, &info, nullptr, &surface));
+    DPL_VK(vkCreateHeadlessSurface(instance, &info, nullptr, &surface));
     return surface;
 }
 

@@ -57,9 +57,9 @@ class Test:
         self.avatar = self.work / "board.glb"
         subprocess.run([self.check, "make", self.avatar], check=True)
 
-    def run(self, *words):
-        return subprocess.run([self.viewer, "--validation", *map(str, words)], cwd=self.work, env=self.environment, capture_output=True,
-                              text=True, timeout=PATIENCE_S)
+    def run(self, *words, environment=None):
+        return subprocess.run([self.viewer, "--validation", *map(str, words)], cwd=self.work, env=environment or self.environment,
+                              capture_output=True, text=True, timeout=PATIENCE_S)
 
     def figures(self, *words):
         result = subprocess.run([self.check, *map(str, words)], capture_output=True, text=True)
@@ -95,6 +95,16 @@ class Test:
         pictures = sorted(path.name for path in (self.work / "turn").glob("*"))
         expect(result.returncode == 0 and pictures == ["00000.png", "00001.png", "00002.png"], f"a turntable writes {pictures}")
         expect(self.figures("differ", self.work / "turn/00000.png", self.work / "turn/00001.png")[0] > 2, "the turntable turns")
+
+    def refusals(self):
+        """What a user reads where no window can open."""
+        nowhere = dict(self.environment, DISPLAY=":no-such-display")
+        result = self.run("--timings", environment=nowhere)
+        expect(result.returncode == 1 and result.stderr.startswith("doppel-viewer: cannot open a window: ") and "program loaded" in result.stdout,
+               f"without a display the viewer says why, and how long it took: {result.stderr.strip()}")
+        result = self.run(environment=dict(self.environment, VK_DRIVER_FILES="/no/driver.json", VK_ICD_FILENAMES="/no/driver.json"))
+        expect(result.returncode == 1 and result.stderr.startswith("doppel-viewer: no Vulkan driver ") and len(result.stderr.splitlines()) == 1,
+               f"without a driver too: {result.stderr.strip()}")
 
     def capture(self, window, name):
         path = self.work / name
@@ -193,6 +203,7 @@ def main():
     try:
         test = Test(arguments, display)
         test.scripts()
+        test.refusals()
         test.session()
     finally:
         display.close()

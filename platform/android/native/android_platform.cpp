@@ -6,7 +6,7 @@
 #include <vulkan/vulkan.h>
 
 #include "platform/android/native/jni_platform.h"
-#include "platform/common/vulkan_help.h"
+#include "platform/common/errors.h"
 
 namespace dpl::android {
 
@@ -20,7 +20,7 @@ std::vector<const char*> surfaceExtensions() {
     return {VK_KHR_SURFACE_EXTENSION_NAME, VK_KHR_ANDROID_SURFACE_EXTENSION_NAME};
 }
 
-VkSurfaceKHR makeSurface(VkInstance instance, ANativeWindow* window) {
+doppel::Result<VkSurfaceKHR> makeSurface(VkInstance instance, ANativeWindow* window) {
     VkAndroidSurfaceCreateInfoKHR info{VK_STRUCTURE_TYPE_ANDROID_SURFACE_CREATE_INFO_KHR};
     info.window = window;
     VkSurfaceKHR surface = VK_NULL_HANDLE;

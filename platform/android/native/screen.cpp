@@ -7,14 +7,15 @@
 
 namespace dpl::android {
 
-Screen::Screen(platform::Device& device, DplContext context, VkSurfaceKHR surface)
-    : device_(device), context_(context), swapchain_(device, surface, VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT), slots_(device) {}
+doppel::Result<std::unique_ptr<Screen>> Screen::create(platform::Device& device, DplContext context, VkSurfaceKHR surface) {
+    std::unique_ptr<Screen> made(new Screen(device, context));
+    DPL_SHELL_TRY(made->swapchain_, platform::Swapchain::create(device, surface, VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT));
+    DPL_SHELL_TRY(made->slots_, platform::FrameSlots::create(device));
+    return made;
+}
 
 Screen::~Screen() {
-    try {
-        device_.waitIdle();
-    } catch (const platform::VulkanError&) {  // the device is lost; nothing runs on it
-    }
+    (void)device_.waitIdle();  // fails if the device is lost; then nothing runs on it
     for (uint32_t slot = 0; slot < DPL_VULKAN_SLOTS; ++slot) dplVulkanDropSlot(context_, slot);
     destroyImages();
     destroyPass();
@@ -32,7 +33,7 @@ void Screen::destroyPass() {
     pass_ = VK_NULL_HANDLE, passFormat_ = VK_FORMAT_UNDEFINED;
 }
 
-void Screen::makePass(VkFormat format) {
+doppel::Status Screen::makePass(VkFormat format) {
     destroyPass();
     VkAttachmentDescription colour{};
     colour.format = format;
@@ -56,54 +57,52 @@ void Screen::makePass(VkFormat format) {
     info.pSubpasses = &subpass;
     info.dependencyCount = 1;
     info.pDependencies = &before;
-    DPL_VK(vkCreateRenderPass(device_.device(), &info, nullptr, &pass_));
+    DPL_VK_MAKE(pass_, vkCreateRenderPass, device_.device(), info);
     DplVulkanPass pass{};
     pass.structSize = sizeof pass;
     pass.renderPass = pass_;
     pass.colourFormat = format;
-    switch (dplCreateVulkanComposer(context_, &pass, &composer_)) {
-        case DPL_OK:
-            passFormat_ = format;
-            return;
-        case DPL_ERROR_DEVICE:
-            throw platform::VulkanError(VK_ERROR_DEVICE_LOST, "dplCreateVulkanComposer");
-        default:
-            throw std::runtime_error(dplGetLastError());
-    }
+    if (const DplResult made = dplCreateVulkanComposer(context_, &pass, &composer_); made != DPL_OK)
+        return doppel::lastError(made == DPL_ERROR_DEVICE ? DPL_ERROR_DEVICE : DPL_ERROR_UNSUPPORTED);
+    passFormat_ = format;
+    return {};
 }
 
-void Screen::makeImages() {
+doppel::Status Screen::makeImages() {
     // The swapchain has waited for the frames that used the earlier ones.
     destroyImages();
-    if (swapchain_.format() != passFormat_) makePass(swapchain_.format());
-    for (VkImage image : swapchain_.images()) {
+    if (swapchain_->format() != passFormat_) DPL_SHELL_OK(makePass(swapchain_->format()));
+    for (VkImage image : swapchain_->images()) {
         VkImageViewCreateInfo info{VK_STRUCTURE_TYPE_IMAGE_VIEW_CREATE_INFO};
         info.image = image;
         info.viewType = VK_IMAGE_VIEW_TYPE_2D;
-        info.format = swapchain_.format();
+        info.format = swapchain_->format();
         info.subresourceRange = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 1, 0, 1};
         VkImageView view = VK_NULL_HANDLE;
-        DPL_VK(vkCreateImageView(device_.device(), &info, nullptr, &view));
+        DPL_VK_MAKE(view, vkCreateImageView, device_.device(), info);
         views_.push_back(view);
-        framebuffers_.push_back(platform::makeFramebuffer(device_.device(), pass_, {&views_.back(), 1}, swapchain_.size()));
+        DPL_SHELL_TRY(const VkFramebuffer framebuffer, platform::makeFramebuffer(device_.device(), pass_, {&view, 1}, swapchain_->size()));
+        framebuffers_.push_back(framebuffer);
     }
-    madeFor_ = swapchain_.generation();
+    madeFor_ = swapchain_->generation();
+    return {};
 }
 
-std::optional<doppel::Status> Screen::draw(VkExtent2D windowPx, const FrameRequest& request) {
+doppel::Result<DrawnFrame> Screen::draw(VkExtent2D windowPx, const FrameRequest& request) {
+    DrawnFrame drawn;
     const uint32_t slotIndex = uint32_t(frame_ % DPL_VULKAN_SLOTS);
-    const platform::FrameSlot& slot = slots_.all[slotIndex];
+    const platform::FrameSlot& slot = slots_->all[slotIndex];
     const VkResult waited = vkWaitForFences(device_.device(), 1, &slot.done, VK_TRUE, kMostWaitNs);
-    if (waited == VK_TIMEOUT) return std::nullopt;
-    platform::checkVulkan(waited, "vkWaitForFences");
-    const std::optional<uint32_t> image = swapchain_.acquire(windowPx, slot.imageReady, kMostWaitNs);
-    if (!image) return std::nullopt;
-    if (madeFor_ != swapchain_.generation()) makeImages();
+    if (waited == VK_TIMEOUT) return drawn;
+    if (waited != VK_SUCCESS) return platform::vulkanError(waited, "vkWaitForFences");
+    DPL_SHELL_TRY(const std::optional<uint32_t> image, swapchain_->acquire(windowPx, slot.imageReady, kMostWaitNs));
+    if (!image) return drawn;
+    if (madeFor_ != swapchain_->generation()) DPL_SHELL_OK(makeImages());
     ++frame_;
-    doppel::Status avatars = record(slotIndex, *image, request);
+    DPL_SHELL_OK(record(slotIndex, *image, request, drawn.avatars));
 
     const VkPipelineStageFlags waitStage = VK_PIPELINE_STAGE_COLOR_ATTACHMENT_OUTPUT_BIT;
-    const VkSemaphore drawn = swapchain_.drawn(*image);
+    const VkSemaphore written = swapchain_->drawn(*image);
     VkSubmitInfo submit{VK_STRUCTURE_TYPE_SUBMIT_INFO};
     submit.waitSemaphoreCount = 1;
     submit.pWaitSemaphores = &slot.imageReady;
@@ -111,33 +110,33 @@ std::optional<doppel::Status> Screen::draw(VkExtent2D windowPx, const FrameReque
     submit.commandBufferCount = 1;
     submit.pCommandBuffers = &slot.commands;
     submit.signalSemaphoreCount = 1;
-    submit.pSignalSemaphores = &drawn;
+    submit.pSignalSemaphores = &written;
     DPL_VK(vkResetFences(device_.device(), 1, &slot.done));
-    device_.submit(submit, slot.done);
-    swapchain_.present(*image);
-    return avatars;
+    DPL_SHELL_OK(device_.submit(submit, slot.done));
+    DPL_SHELL_OK(swapchain_->present(*image));
+    drawn.shown = true;
+    return drawn;
 }
 
-doppel::Status Screen::record(uint32_t slotIndex, uint32_t image, const FrameRequest& request) {
-    const VkCommandBuffer commands = slots_.all[slotIndex].commands;
+doppel::Status Screen::record(uint32_t slotIndex, uint32_t image, const FrameRequest& request, doppel::Status& avatars) {
+    const VkCommandBuffer commands = slots_->all[slotIndex].commands;
     VkCommandBufferBeginInfo begin{VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO};
     begin.flags = VK_COMMAND_BUFFER_USAGE_ONE_TIME_SUBMIT_BIT;
     DPL_VK(vkBeginCommandBuffer(commands, &begin));
     // The camera is of the window, and the images may lie turned by a quarter in it.
-    VkExtent2D upright = swapchain_.size();
-    if (isQuarterTurn(swapchain_.transform())) std::swap(upright.width, upright.height);
-    doppel::Status avatars;
+    VkExtent2D upright = swapchain_->size();
+    if (isQuarterTurn(swapchain_->transform())) std::swap(upright.width, upright.height);
     bool prepared = false;
     if (request.avatars.empty()) {
         avatars = doppel::status(dplVulkanUpload(context_, commands, slotIndex));
     } else {
-        DplCamera camera = rotatedView(fittedView(request.camera, upright), swapchain_.transform());
+        DplCamera camera = rotatedView(fittedView(request.camera, upright), swapchain_->transform());
         if (const DplCamera& asked = request.camera; asked.sceneDepthM) {
             const size_t pixels = size_t(asked.widthPx) * asked.heightPx;
             if (pixels == 0 || asked.sceneDepthCount < pixels)
                 camera.sceneDepthCount = 0;  // the library refuses it
             else
-                rotatedDepth(asked, upright, swapchain_.transform(), sceneDepth_);
+                rotatedDepth(asked, upright, swapchain_->transform(), sceneDepth_);
             if (camera.sceneDepthCount != 0) camera.sceneDepthM = sceneDepth_.data(), camera.sceneDepthCount = sceneDepth_.size();
         }
         avatars = doppel::status(
@@ -150,14 +149,14 @@ doppel::Status Screen::record(uint32_t slotIndex, uint32_t image, const FrameReq
     VkRenderPassBeginInfo pass{VK_STRUCTURE_TYPE_RENDER_PASS_BEGIN_INFO};
     pass.renderPass = pass_;
     pass.framebuffer = framebuffers_[image];
-    pass.renderArea.extent = swapchain_.size();
+    pass.renderArea.extent = swapchain_->size();
     pass.clearValueCount = 1;
     pass.pClearValues = &clear;
     vkCmdBeginRenderPass(commands, &pass, VK_SUBPASS_CONTENTS_INLINE);
     if (prepared) avatars = doppel::status(dplVulkanCompose(context_, composer_, commands, slotIndex, 0, 0, 0));
     vkCmdEndRenderPass(commands);
     DPL_VK(vkEndCommandBuffer(commands));
-    return avatars;
+    return {};
 }
 
 }  // namespace dpl::android

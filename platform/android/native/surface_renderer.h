@@ -67,9 +67,11 @@ public:
 
 private:
     SurfaceRenderer() = default;
-    void rebuild();
-    doppel::Result<Outcome> drawOnScreen(const FrameRequest& request);
-    std::unique_ptr<platform::Device> openDevice() const;
+    doppel::Result<std::unique_ptr<platform::Device>> openDevice() const;
+    doppel::Status rebuild();
+    doppel::Status makeScreen();
+    /** What became of a frame that `error` has ended. Drops the screen, and with it what the frame had acquired. */
+    doppel::Result<Outcome> broken(const doppel::Error& error);
 
     bool validation_ = false;
     mutable std::mutex mutex_;

@@ -4,6 +4,7 @@
 
 #include <vulkan/vulkan_core.h>
 
+#include <doppel/doppel.hpp>
 #include <memory>
 #include <vector>
 
@@ -15,7 +16,6 @@ using Window = std::shared_ptr<ANativeWindow>;
 
 /** Instance extensions that makeSurface needs. */
 std::vector<const char*> surfaceExtensions();
-/** Throws platform::VulkanError. */
-VkSurfaceKHR makeSurface(VkInstance instance, ANativeWindow* window);
+doppel::Result<VkSurfaceKHR> makeSurface(VkInstance instance, ANativeWindow* window);
 
 }  // namespace dpl::android

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tests/unit/interop/sample_brush.h"
 
+#include <cstdio>
+#include <cstdlib>
 #include <cstring>
 
 #include "fetch_four.h"
@@ -17,6 +19,13 @@ static_assert(kFloats == 5);
 struct BrushPush {
     uint32_t widthPx, samples, index;  // of a sample, or of a layer
 };
+
+template <class T>
+T made(doppel::Result<T> result) {
+    if (result) return *result;
+    std::fprintf(stderr, "%s\n", result.error().message.c_str());
+    std::abort();
+}
 
 }  // namespace
 
@@ -69,7 +78,7 @@ void SampleBrush::makeBuffer(size_t values) {
     if (values <= capacity_) return;
     const platform::VulkanHandles on{app_.physical, app_.device};
     platform::destroyHostBuffer(on, buffer_);
-    buffer_ = platform::makeHostBuffer(on, values * sizeof(SampleValue), VK_BUFFER_USAGE_STORAGE_BUFFER_BIT);
+    buffer_ = made(platform::makeHostBuffer(on, values * sizeof(SampleValue), VK_BUFFER_USAGE_STORAGE_BUFFER_BIT));
     capacity_ = values;
 }
 
@@ -81,7 +90,7 @@ SampleBrush::Kit& SampleBrush::kitFor(const AppImage& colour, const AppImage& de
     drawing.layout = painting_.layout, drawing.pass = kit.pass, drawing.samples = colour.samples;
     drawing.vertexShader = paint_vert, drawing.fragmentShader = paint_frag;
     drawing.depth = VK_COMPARE_OP_ALWAYS;
-    kit.pipeline = platform::makePipeline(app_.device, drawing);
+    kit.pipeline = made(platform::makePipeline(app_.device, drawing));
     return kit;
 }
 
@@ -91,7 +100,7 @@ VkPipeline SampleBrush::reader(uint32_t samples) {
     VkComputePipelineCreateInfo info{VK_STRUCTURE_TYPE_COMPUTE_PIPELINE_CREATE_INFO};
     info.stage.sType = VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO;
     info.stage.stage = VK_SHADER_STAGE_COMPUTE_BIT;
-    info.stage.module = platform::makeShaderModule(app_.device, samples == 1 ? std::span<const uint32_t>(fetch_one) : fetch_four);
+    info.stage.module = made(platform::makeShaderModule(app_.device, samples == 1 ? std::span<const uint32_t>(fetch_one) : fetch_four));
     info.stage.pName = "main";
     info.layout = reading_.layout;
     MUST(vkCreateComputePipelines(app_.device, VK_NULL_HANDLE, 1, &info, nullptr, &pipeline));

@@ -16,8 +16,7 @@ struct SampleValue {
     float depth = 0;
 };
 
-/** Samples of a pixel follow each other. Both calls wait. Errors end the test: AppDevice aborts, and the
- *  shells' helpers throw. */
+/** Samples of a pixel follow each other. Both calls wait. Errors abort the test, as those of AppDevice. */
 class SampleBrush {
 public:
     explicit SampleBrush(AppDevice& app) : app_(app) {}
