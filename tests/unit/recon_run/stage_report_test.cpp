@@ -98,12 +98,17 @@ TEST_F(StageReport, scoresTheHeldOutFramesAndWritesItsFiles) {
 }
 
 TEST_F(StageReport, everyFigureHasAKeyOfItsOwn) {
+    toy_.body.fit.keypointSigma = 0.01;
+    for (const Split split : {Split::Train, Split::Validation, Split::Test})
+        for (const FrameKind kind : {FrameKind::StaticFull, FrameKind::Dynamic})
+            toy_.body.fit.residuals.push_back({kind, split, 3, 9, 2, 2, 4});
     const nlohmann::json json = report();
     std::set<std::string> keys;
     for (const char* table : {"above_floors", "figures", "waterfall"})
         for (const auto& figure : json[table]) EXPECT_TRUE(keys.insert(figure["key"]).second) << figure["key"];
     EXPECT_EQ(keys.count(""), 0u);
-    for (const char* key : {"above_floor.static", "file.bytes", "training_step.ms", "dynamic.pose_fit", "scale.static.at_1.drawn_2.all"})
+    for (const char* key : {"above_floor.static", "file.bytes", "training_step.ms", "dynamic.pose_fit", "residual.static.test.p95",
+                            "scale.static.at_1.drawn_2.all"})
         EXPECT_EQ(keys.count(key), 1u) << key;
 }
 
