@@ -9,7 +9,7 @@
 namespace dpl {
 namespace {
 
-constexpr double kMaxCulledError = 0.1;  // of one channel; a lost splat shows as more
+constexpr double kMaxCulledError = 0.05;  // of one channel; 0.025 on lavapipe and on an H200, by quads and by tiles
 
 /** A random view of a part of the subject at (0, middle, 0): from near or far, aimed past it, off-axis, with any focal length. */
 Cameraf randomView(std::mt19937& random, float middle) {
