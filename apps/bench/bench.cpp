@@ -61,10 +61,7 @@ void addBenchOptions(CLI::App& command, BenchOptions& options, const std::vector
     command.add_option("--time", options.timeS, "Pose: time in the clip, seconds")->check(inRange(0.0, 1e6));
     command.add_option("--repeats", options.repeats, "Number of timed frames in each case")->check(inRange(1, 1000))->capture_default_str();
     command.add_option("--threads", options.threadCount, "CPU threads; 0: one for each core")->check(inRange(0, 256));
-    command
-        .add_option("--axes", options.axes,
-                    "The file's up axis, instead of the one that it states; many 3D Gaussian splatting PLYs are y-down")
-        ->check(CLI::IsMember(kAxesNames));
+    command.add_option("--axes", options.axes, kAxesHelp)->check(CLI::IsMember(kAxesNames));
     command.add_option("--json", options.jsonFile, "Also write the figures to this file, as JSON lines");
     CLI::Option* withoutReference = command.add_flag("--no-reference", options.withoutReference,
                                                      "Measure no errors, only times; the referee takes seconds for each picture");

@@ -141,7 +141,9 @@ Result<BenchSubject> BenchSubject::load(const BenchOptions& options) {
     BenchSubject subject{
         std::move(bytes), std::move(*context), std::move(*avatar), *info, std::vector<float>(size_t(info->jointCount) * 4), Vec3f(0),
         Mat3d(1)};
-    if (const auto stated = statedAxes(subject.bytes)) subject.fileTurn = stated->fileTurn;
+    auto axes = subject.avatar.fileAxes();
+    if (!axes) return fromSdk(axes.error());
+    subject.turnOnLoading = loadedFromFile(*axes);
     if (info->jointCount > 0 && dplGetPose(subject.avatar.handle(), subject.rotations.data(), info->jointCount, &subject.root.x) != DPL_OK)
         return fail(Code::Internal, "{}", dplGetLastError());
     return subject;
@@ -150,7 +152,7 @@ Result<BenchSubject> BenchSubject::load(const BenchOptions& options) {
 std::vector<Cameraf> BenchSubject::views(const BenchCase& test, const std::string& axes) const {
     constexpr float kZoom = 4;
     constexpr float kHeadAbove = 0.36f;  // height of the head above the centre, as a share of the unzoomed picture's height
-    Cameraf centre = frameAvatar(info, test.widthPx, test.heightPx, 0.4, uprightFromLoaded(axes, fileTurn));
+    Cameraf centre = frameAvatar(info, test.widthPx, test.heightPx, 0.4, uprightFromLoaded(axes, turnOnLoading));
     if (test.portrait) centre.fx *= kZoom, centre.fy *= kZoom, centre.cy += kZoom * kHeadAbove * float(test.heightPx);
     if (test.viewCount == 1) return {centre};
     return {shiftedSideways(centre, -kEyeDistanceM / 2), shiftedSideways(centre, kEyeDistanceM / 2)};

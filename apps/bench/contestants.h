@@ -43,7 +43,7 @@ struct BenchSubject {
     DplAvatarInfo info;  // its name pointer is valid as long as `avatar`
     std::vector<float> rotations;
     Vec3f root{0};
-    Mat3d fileTurn{1};  // of general splats, see StatedAxes
+    Mat3d turnOnLoading{1};  // see DplFileAxes
 
     static Result<BenchSubject> load(const BenchOptions& options);
     std::vector<Cameraf> views(const BenchCase& test, const std::string& axes) const;

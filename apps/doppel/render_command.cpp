@@ -246,17 +246,17 @@ Result<nlohmann::json> renderAll(const RenderOptions& options, const Talk& talk)
     uint64_t splats = 0;
     for (const fs::path& file : files) {
         const auto start = Clock::now();
-        DPL_TRY(auto bytes, readAvatarBytes(file));
-        auto avatar = context.loadAvatar(bytes);
-        if (!avatar) return fail(fromSdk(avatar.error()).code, "{}: {}", file.string(), avatar.error().message);
+        auto avatar = context.loadAvatarFile(file.string());
+        if (!avatar) return fromSdk(avatar.error());
         auto info = avatar->info();
         if (!info) return fromSdk(info.error());
         if (info->jointCount == 0) DPL_RETURN_IF_ERROR(checkStill(options, file));
-        const auto stated = statedAxes(bytes);
-        if (stated && !stated->any && options.axes.empty()) progress.note(formatText("{}: {}", file.string(), kNoUpAxis));
-        if (company.avatars.empty()) company.upright = uprightFromLoaded(options.axes, stated ? stated->fileTurn : Mat3d(1));
-        progress.detail(formatText("{}: {} bytes, {} splats of {}, loaded in {} ms", file.string(), bytes.size(), info->splatCount,
-                                   info->fileSplatCount, millisecondsSince(start)));
+        auto axes = avatar->fileAxes();
+        if (!axes) return fromSdk(axes.error());
+        if (!axes->stated && options.axes.empty()) progress.note(formatText("{}: {}", file.string(), kNoUpAxis));
+        if (company.avatars.empty()) company.upright = uprightFromLoaded(options.axes, loadedFromFile(*axes));
+        progress.detail(formatText("{}: {} splats of {}, loaded in {} ms", file.string(), info->splatCount, info->fileSplatCount,
+                                   millisecondsSince(start)));
         splats += info->splatCount;
         company.avatars.push_back(std::move(*avatar));
     }
@@ -300,10 +300,7 @@ void addRenderCommand(CLI::App& app, CommandRun& run) {
     command->add_flag("--turntable", options->turntable, "Move the camera once around the avatar");
     command->add_option("--azimuth", options->azimuthDeg, "Angle of the camera around the avatar, degrees; 0: from the front")
         ->check(inRange(-360.0, 360.0));
-    command
-        ->add_option("--axes", options->axes,
-                     "The file's up axis, instead of the one that it states; many 3D Gaussian splatting PLYs are y-down")
-        ->check(CLI::IsMember(kAxesNames));
+    command->add_option("--axes", options->axes, kAxesHelp)->check(CLI::IsMember(kAxesNames));
     command->add_flag("--stereo", options->stereo, "Left and right eye side by side, 63 mm apart");
     command->add_option("--size", options->size, "Size of one view")->check(isPictureSize())->capture_default_str();
     command->add_option("--scan", options->scan, "Draw the frames of this scan from its own cameras, one PNG with alpha for each frame");

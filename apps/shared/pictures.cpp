@@ -60,9 +60,16 @@ Mat3d uprightFromFile(const std::string& axes) {
     return Mat3d(1);
 }
 
-Mat3d uprightFromLoaded(const std::string& axes, const Mat3d& fileTurn) {
+Mat3d loadedFromFile(const DplFileAxes& axes) {
+    Mat3d out;
+    for (int column = 0; column < 3; ++column)
+        for (int row = 0; row < 3; ++row) out[column][row] = axes.loadedFromFile[3 * column + row];
+    return out;
+}
+
+Mat3d uprightFromLoaded(const std::string& axes, const Mat3d& loadedFromFile) {
     if (axes.empty()) return Mat3d(1);
-    Mat3d fileFromLoaded = glm::transpose(fileTurn);
+    Mat3d fileFromLoaded = glm::transpose(loadedFromFile);
     if (glm::determinant(fileFromLoaded) < 0) fileFromLoaded = Mat3d(-1, 0, 0, 0, 1, 0, 0, 0, 1) * fileFromLoaded;  // cameras do not mirror
     return uprightFromFile(axes) * fileFromLoaded;
 }

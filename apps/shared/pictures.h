@@ -17,11 +17,15 @@ Error fromSdk(const doppel::Error& error);
 
 /** Up axis of a file: "y-up", "y-down" (most 3D Gaussian splatting PLYs), "z-up" or "z-down". */
 inline const std::vector<std::string> kAxesNames = {"y-up", "y-down", "z-up", "z-down"};
+/** What --axes says of itself in every program. */
+constexpr const char* kAxesHelp = "The file's up axis, instead of the one that it states; many 3D Gaussian splatting PLYs are y-down";
 /** The rotation that turns a file with these axes y-up. Identity for any other name. */
 Mat3d uprightFromFile(const std::string& axes);
-/** The rotation that turns a loaded file upright. Loading has turned it by `fileTurn`, as the file states. `axes` is the user's word for
- *  the file, which replaces that; empty: no word. */
-Mat3d uprightFromLoaded(const std::string& axes, const Mat3d& fileTurn);
+/** How loading turned (or mirrored) a file. */
+Mat3d loadedFromFile(const DplFileAxes& axes);
+/** The rotation that turns a loaded file upright. Loading has turned it by `loadedFromFile`, as the file states. `axes` is the user's
+ *  word for the file, which replaces that; empty: no word. */
+Mat3d uprightFromLoaded(const std::string& axes, const Mat3d& loadedFromFile);
 /** Values of --fill. */
 inline const std::vector<std::string> kFillNames = {"auto", "quads", "tiles"};
 DplFill fillOf(const std::string& name);

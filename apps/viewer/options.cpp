@@ -19,9 +19,7 @@ std::optional<ViewerOptions> readOptions(int argc, const char* const* argv, int*
     app.add_option("--room", options.room, "auto: dark with avatars, none with splats alone")
         ->check(CLI::IsMember({"auto", "dark", "bright", "none"}))
         ->capture_default_str();
-    app.add_option("--axes", options.axes, "Up axis of files that state none; others stand upright with y-up")
-        ->check(CLI::IsMember(kAxesNames))
-        ->capture_default_str();
+    app.add_option("--axes", options.axes, kAxesHelp)->check(CLI::IsMember(kAxesNames));
     app.add_option("--size", size, "Size of the picture")->check(isPictureSize())->capture_default_str();
     app.add_option("--azimuth", options.azimuthDeg, "Where the camera stands, degrees; 0: in front")->check(inRange(-360, 360));
     app.add_option("--magnification", options.magnification,

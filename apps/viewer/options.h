@@ -13,7 +13,7 @@ namespace dpl {
 
 struct ViewerOptions {
     std::vector<std::string> files;
-    std::string clip, animation, room = "auto", axes = "y-up", fill = "auto";
+    std::string clip, animation, room = "auto", axes, fill = "auto";  // axes: empty: as the files state
     PictureSize size{1280, 800};
     double azimuthDeg = 0;
     float magnification = 8;  // of the scan's finest details, at most; 0: no limit

@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <cfloat>
 
+#include "apps/shared/pictures.h"
+
 namespace dpl {
 namespace {
 
@@ -101,9 +103,10 @@ void pictureControls(ViewerState& state) {
     changed |= ImGui::RadioButton("no room", &room, 2);
     if (changed) state.room = room == 2 ? std::nullopt : std::optional(room == 1 ? platform::RoomLight::Bright : platform::RoomLight::Dark);
     if (std::any_of(state.subjects.begin(), state.subjects.end(), [](const ViewedSubject& s) { return !s.isAvatar(); }))
-        if (ImGui::BeginCombo("##axes", ("files are " + state.axes).c_str())) {
-            for (const char* axes : {"y-up", "y-down", "z-up", "z-down"})
-                if (ImGui::Selectable(axes, state.axes == axes)) state.axes = axes, state.wantsFrame = true;
+        if (ImGui::BeginCombo("##axes", state.axes.empty() ? "files stand as they state" : ("files are " + state.axes).c_str())) {
+            if (ImGui::Selectable("as they state", state.axes.empty())) state.axes.clear(), state.wantsFrame = true;
+            for (const std::string& axes : kAxesNames)
+                if (ImGui::Selectable(axes.c_str(), state.axes == axes)) state.axes = axes, state.wantsFrame = true;
             ImGui::EndCombo();
         }
     ImGui::SliderFloat("##detail", &state.splatsPerPixel, 0, 24,

@@ -25,7 +25,7 @@ struct ViewerState {
     Playback playback;
     OrbitCamera camera;
     std::optional<platform::RoomLight> room = platform::RoomLight::Dark;
-    std::string axes = "y-up";
+    std::string axes;                             // of files, of kAxesNames; empty: as they state
     float splatsPerPixel = 0, frameBudgetMs = 0;  // 0: off
     float magnification = 8;                      // of the scan's finest details, at most; 0: no limit
     bool keptAway = false;                        // the limit holds the camera back in this frame

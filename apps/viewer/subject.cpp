@@ -15,6 +15,9 @@ Result<ViewedSubject> ViewedSubject::of(doppel::Avatar avatar, std::string file)
     auto info = made.avatar.info();
     if (!info) return fromSdk(info.error());
     made.info = *info;
+    auto axes = made.avatar.fileAxes();
+    if (!axes) return fromSdk(axes.error());
+    made.axes = *axes;
     made.file = std::move(file);
     for (uint32_t i = 0; i < info->jointCount; ++i) {
         auto joint = made.avatar.joint(i);
@@ -92,6 +95,10 @@ std::vector<double> placesInRow(size_t count) {
     std::vector<double> places(count);
     for (size_t i = 0; i < count; ++i) places[i] = kApartM * (double(i) - 0.5 * double(count - 1));
     return places;
+}
+
+Mat3d uprightOf(const std::vector<ViewedSubject>& subjects, const std::string& axes) {
+    return uprightFromLoaded(axes, subjects.empty() ? Mat3d(1) : loadedFromFile(subjects[0].axes));
 }
 
 WorldBox boxOf(const std::vector<ViewedSubject>& subjects) {

@@ -35,6 +35,7 @@ struct ViewedSubject {
     doppel::Avatar avatar;
     std::string file;  // without folders
     DplAvatarInfo info{};
+    DplFileAxes axes{};  // of its file
     std::vector<Clip> clips;
     std::optional<uint32_t> clip;     // nothing: the rest pose
     std::vector<std::string> joints;  // names
@@ -51,6 +52,10 @@ std::vector<double> placesInRow(size_t count);
 
 /** The same for the avatar whose box is nearest to the point. */
 double nearestM(const std::vector<ViewedSubject>& subjects, const Vec3d& point, const Vec3d& eye, double focalPx, double magnification);
+
+/** The rotation that turns what is shown upright. `axes` is the user's word for the files, which replaces what the first one states, as for
+ *  `doppel render`; empty: no word. */
+Mat3d uprightOf(const std::vector<ViewedSubject>& subjects, const std::string& axes);
 
 /** The box around all of them; a person's if there are none. */
 WorldBox boxOf(const std::vector<ViewedSubject>& subjects);

@@ -117,7 +117,7 @@ platform::FrameContents Viewer::contents() {
     const FreeSpan free = turntable_ || !screenshot_.empty() ? FreeSpan{0, io.DisplaySize.x} : freeSpan(state_, io.DisplaySize.x);
     Camerad camera = state_.camera.camera(size.width, size.height, 0.5 * (free.left + free.right) * io.DisplayFramebufferScale.x);
     what.roomView = sdkCamera(camera.cast<float>());
-    camera.viewFromWorldRotation = camera.viewFromWorldRotation * uprightFromFile(state_.axes);
+    camera.viewFromWorldRotation = camera.viewFromWorldRotation * uprightOf(state_.subjects, state_.axes);
     what.view = sdkCamera(camera.cast<float>());
     what.room = state_.room;
     if (const auto doppel = loader_ ? loader_->doppel() : std::nullopt) what.context = doppel->context, what.composer = doppel->composer;
@@ -168,6 +168,8 @@ void Viewer::addSubject(doppel::Avatar avatar, const std::string& file) {
         if (const Status taken = made->takeNewClip(); !taken) return report(taken.error().message);
         made->clip = *clip;
     }
+    if (!made->axes.stated && state_.axes.empty())
+        state_.messages.info(file + ": no up axis stated; if it stands wrong, choose another under Picture", nowS());
     if (state_.subjects.empty() && options_.room == "auto" && !made->isAvatar()) state_.room.reset();
     state_.subjects.push_back(std::move(*made));
     state_.selected = state_.subjects.size() - 1;
@@ -176,7 +178,7 @@ void Viewer::addSubject(doppel::Avatar avatar, const std::string& file) {
 
 WorldBox Viewer::uprightBox() const {
     const WorldBox box = boxOf(state_.subjects);
-    const Mat3d upright = uprightFromFile(state_.axes);
+    const Mat3d upright = uprightOf(state_.subjects, state_.axes);
     const Vec3d a = upright * box.low, b = upright * box.high;  // quarter turns keep the box axis-aligned
     return {glm::min(a, b), glm::max(a, b)};
 }
@@ -254,7 +256,7 @@ void Viewer::keepAway() {
     if (!(state_.magnification > 0)) return;
     const VkExtent2D size = shell_->picturePx();
     const Camerad camera = state_.camera.camera(size.width, size.height, 0);
-    const Mat3d fileFromUpright = glm::transpose(uprightFromFile(state_.axes));
+    const Mat3d fileFromUpright = glm::transpose(uprightOf(state_.subjects, state_.axes));
     const double nearest = nearestM(state_.subjects, fileFromUpright * state_.camera.middle(), fileFromUpright * camera.eye(), camera.fy,
                                     state_.magnification);
     state_.keptAway = nearest > 0 && state_.camera.distanceM() <= nearest * (1 + 1e-6);

@@ -52,6 +52,8 @@ struct Avatar {
     std::shared_ptr<const AvatarData> data;  // for general splats: a name and no joints
     uint32_t splatCount = 0, shDegree = 0;   // as loaded; fewer than in the file if memory was short
     uint32_t fileSplatCount = 0, fileShDegree = 0;
+    bool axesStated = true;   // by the file or the standard of its format
+    Mat3d loadedFromFile{1};  // how loading turned general splats
     RenderAvatarId renderId = 0;
     Vec3f restMin{0}, restMax{0};
     Pose pose, givenPose;                                          // givenPose: scratch of dplSetPose

@@ -74,6 +74,17 @@ DplResult dplGetAvatarInfo(DplAvatar avatar, DplAvatarInfo* info) {
     });
 }
 
+DplResult dplGetFileAxes(DplAvatar avatar, DplFileAxes* axes) {
+    return guarded("dplGetFileAxes", [&]() -> Status {
+        DPL_TRY(const auto found, avatarOf(avatar));
+        DplFileAxes out{};
+        out.stated = found->axesStated ? DPL_TRUE : DPL_FALSE;
+        for (int column = 0; column < 3; ++column)
+            for (int row = 0; row < 3; ++row) out.loadedFromFile[3 * column + row] = float(found->loadedFromFile[column][row]);
+        return writeStruct(axes, out, "axes");
+    });
+}
+
 DplResult dplGetJointInfo(DplAvatar avatar, uint32_t joint, DplJointInfo* info) {
     return guarded("dplGetJointInfo", [&]() -> Status {
         DPL_TRY(const auto found, avatarOf(avatar));

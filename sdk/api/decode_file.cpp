@@ -41,28 +41,29 @@ Result<Decoded> decodeAvatar(std::span<const uint8_t> bytes) {
 }
 
 /** Makes an avatar without joints. */
-Result<Decoded> decodeGeneralSplats(std::span<const uint8_t> bytes) {
-    SplatFile file;
+Result<Decoded> decodeGeneralSplats(std::span<const uint8_t> bytes, const std::string& file) {
+    SplatFile read;
     {
         const TaskPart part(0, 0.9);
-        DPL_TRY(file, readSplats(bytes));
+        DPL_TRY(read, readSplats(bytes));
     }
-    for (const std::string& note : file.remarks.notes) log(LogLevel::Warning, "{}: {}", nameOf(file.format), note);
+    for (const std::string& note : read.remarks.notes) log(LogLevel::Warning, "{}: {}", file.empty() ? nameOf(read.format) : file, note);
     auto made = std::make_shared<Avatar>();
     AvatarData named;
-    named.name = nameOf(file.format);
+    named.name = nameOf(read.format);
     made->data = std::make_shared<const AvatarData>(std::move(named));
-    made->fileSplatCount = file.splats.count(), made->fileShDegree = file.splats.shDegree;
+    made->fileSplatCount = read.splats.count(), made->fileShDegree = read.splats.shDegree;
+    made->axesStated = !read.remarks.axes.stated.empty(), made->loadedFromFile = read.remarks.axes.uprightFromFile;
     DPL_RETURN_IF_ERROR(taskAt(0.9));
-    const SplatBox box = boxOf(file.splats);
+    const SplatBox box = boxOf(read.splats);
     made->restMin = box.low, made->restMax = box.high;
-    return Decoded{std::move(made), {}, std::move(file.splats)};
+    return Decoded{std::move(made), {}, std::move(read.splats)};
 }
 
 }  // namespace
 
-Result<Decoded> decodeFile(std::span<const uint8_t> bytes) {
-    return splatFormatOf(bytes) != SplatFormat::None ? decodeGeneralSplats(bytes) : decodeAvatar(bytes);
+Result<Decoded> decodeFile(std::span<const uint8_t> bytes, const std::string& file) {
+    return splatFormatOf(bytes) != SplatFormat::None ? decodeGeneralSplats(bytes, file) : decodeAvatar(bytes);
 }
 
 }  // namespace dpl::api

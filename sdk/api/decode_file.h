@@ -17,7 +17,8 @@ struct Decoded {
     std::optional<StaticSplatData> general;  // of general splats
 };
 
-/** Takes long, and notices that the task of the thread is cancelled (sdk/core/task.h). The avatar has no context yet. */
-Result<Decoded> decodeFile(std::span<const uint8_t> bytes);
+/** Takes long, and notices that the task of the thread is cancelled (sdk/core/task.h). The avatar has no context yet. file: its name for
+ *  warnings; empty: unknown. */
+Result<Decoded> decodeFile(std::span<const uint8_t> bytes, const std::string& file);
 
 }  // namespace dpl::api

@@ -145,7 +145,7 @@ Result<std::shared_ptr<Avatar>> loadFile(Load& load) {
     Decoded decoded;
     {
         const TaskPart part(0, kDecoded);
-        DPL_TRY(decoded, decodeFile(load.bytes));
+        DPL_TRY(decoded, decodeFile(load.bytes, load.file));
     }
     load.releaseBytes();
     const std::shared_ptr<Avatar> avatar = decoded.avatar;
@@ -301,13 +301,16 @@ Status checkBytes(const void* data, size_t size) {
     return {};
 }
 
-/** Loads on the calling thread. release: see Load. */
-Result<DplAvatar> loadNow(std::shared_ptr<Context> context, std::span<const uint8_t> bytes, void (*release)(void* user), void* user) {
+/** A load that the calling thread will run. */
+std::shared_ptr<Load> loadAtOnce(std::shared_ptr<Context> context, std::span<const uint8_t> bytes) {
     const auto load = std::make_shared<Load>();
     load->context = std::move(context);
     load->bytes = bytes;
-    load->release = release, load->user = user;
     load->finishing = true;
+    return load;
+}
+
+Result<DplAvatar> loadNow(const std::shared_ptr<Load>& load) {
     runLoad(*load);
     DPL_TRY(auto loaded, finishLoad(load));
     return reinterpret_cast<DplAvatar>(avatars().add(std::move(loaded)));
@@ -342,7 +345,7 @@ extern "C" DplResult dplLoadAvatar(DplContext context, const uint8_t* data, size
         DPL_RETURN_IF_ERROR(checkBytes(data, size));
         if (avatar == nullptr) return fail(Code::InvalidArgument, "avatar is NULL");
         DPL_TRY(auto found, contextOf(context));
-        DPL_TRY(*avatar, loadNow(std::move(found), {data, size}, nullptr, nullptr));
+        DPL_TRY(*avatar, loadNow(loadAtOnce(std::move(found), {data, size})));
         return {};
     });
 }
@@ -353,8 +356,11 @@ extern "C" DplResult dplLoadAvatarFile(DplContext context, const char* path, Dpl
         if (avatar == nullptr) return fail(Code::InvalidArgument, "avatar is NULL");
         DPL_TRY(auto found, contextOf(context));
         DPL_TRY(std::vector<uint8_t> bytes, bytesOfFile(file));
-        const auto release = [](void* user) { std::vector<uint8_t>().swap(*static_cast<std::vector<uint8_t>*>(user)); };
-        const auto loaded = loadNow(std::move(found), bytes, release, &bytes);
+        const auto load = loadAtOnce(std::move(found), bytes);
+        load->file = path;
+        load->release = [](void* user) { std::vector<uint8_t>().swap(*static_cast<std::vector<uint8_t>*>(user)); };
+        load->user = &bytes;
+        const auto loaded = loadNow(load);
         if (!loaded && loaded.error().message.empty()) return loaded.error();  // out of memory, perhaps for a text too
         if (!loaded) return fail(loaded.error().code, "{}: {}", path, loaded.error().message);
         *avatar = *loaded;

@@ -23,6 +23,7 @@ enum class LoadState : uint8_t { Waiting, Decoding, Uploading, Ready, Failed };
 struct Load {
     std::shared_ptr<Context> context;
     std::span<const uint8_t> bytes;
+    std::string file;                       // its name for warnings; empty: unknown
     void (*release)(void* user) = nullptr;  // called once, when `bytes` are not needed any more
     void* user = nullptr;
     Task task;

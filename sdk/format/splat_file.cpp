@@ -83,18 +83,6 @@ Result<SplatFile> readSplats(std::span<const uint8_t> bytes, const ReadLimits& l
     return outOfMemory("read splats");
 }
 
-Result<SplatAxes> axesOfFile(std::span<const uint8_t> bytes) {
-    const SplatFormat format = splatFormatOf(bytes);
-    if (format == SplatFormat::InriaPly || format == SplatFormat::CompressedPly) {
-        DPL_TRY(const PlyHeader header, readPlyHeader(bytes));
-        std::vector<std::string> notes;
-        return axesOfComments(header.comments, notes);
-    }
-    if (format == SplatFormat::Spz) return axesOfSpz(bytes);
-    if (format == SplatFormat::Gltf) return *axesOfLetters("RUB");
-    return fail(Code::Unsupported, "not a splat file");
-}
-
 SplatBox boxOf(const StaticSplatData& splats) {
     SplatBox box;
     std::vector<float> along(splats.count());

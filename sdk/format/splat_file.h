@@ -34,10 +34,6 @@ struct SplatFile {
  * Errors say what is wrong and what would help. Unsupported: another format. Any thread; throws nothing. */
 Result<SplatFile> readSplats(std::span<const uint8_t> bytes, const ReadLimits& limits = {});
 
-/** The axes that a file of any of these formats states. Reads no splats, but unpacks an SPZ. Errors: those of readSplats.
- */
-Result<SplatAxes> axesOfFile(std::span<const uint8_t> bytes);
-
 /** Bounding box of the middle 98 % of the centres along each axis, so that a few distant splats do not count. Where the splats
  *  are larger than that, as for a single one, the box reaches three standard deviations from its middle. Zeros without splats. */
 struct SplatBox {

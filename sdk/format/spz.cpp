@@ -253,14 +253,6 @@ Result<StaticSplatData> unpack(const Packed& p) {
 
 }  // namespace
 
-Result<SplatAxes> axesOfSpz(std::span<const uint8_t> bytes) try {
-    DPL_TRY(const Packed packed, openSpz(bytes));
-    std::vector<std::string> notes;
-    return axesOf(packed.extensions, notes);
-} catch (const std::bad_alloc&) {
-    return outOfMemory("read an SPZ file");
-}
-
 Result<StaticSplatData> readSpz(std::span<const uint8_t> bytes, SpzInfo* info) try {
     Packed packed;
     {

@@ -29,9 +29,6 @@ struct SpzInfo {
  *  Version: a version that this build does not read. CorruptData: damaged or truncated, or it would unpack beyond kMaxSpzExpansion. */
 Result<StaticSplatData> readSpz(std::span<const uint8_t> bytes, SpzInfo* info = nullptr);
 
-/** The axes that the file states. Unpacks the file, but makes no splats. Errors: those of readSpz. */
-Result<SplatAxes> axesOfSpz(std::span<const uint8_t> bytes);
-
 /** Writes splats in our axes, which are SPZ's, without an extension. version: 3 (gzip, for older readers) or 4 (zstd). Positions take 24
  *  bits, of which 12 or, in small or large scenes, more or fewer follow the point; other numbers 8 bits (rotations 32). InvalidArgument:
  *  array lengths differ, a number is not finite, another version. Unsupported: coordinates beyond ±8,388,607 m. */

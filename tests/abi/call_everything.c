@@ -55,11 +55,15 @@ static void callPoses(DplAvatar avatar, uint32_t joints) {
     float eye[3] = {0, 0, 9}, distanceM = -1;
     DplClipInfo clip = {0};
     DplJointInfo joint = {0};
+    DplFileAxes axes = {0};
     uint32_t added = 99, found = 99, j;
     for (j = 0; j < joints; ++j) rotations[4 * j] = rotations[4 * j + 1] = rotations[4 * j + 2] = 0, rotations[4 * j + 3] = 1;
     OK(dplSetPose(avatar, rotations, joints, root));
     OK(dplGetPose(avatar, read, joints, root));
     CHECK(memcmp(read, rotations, joints * 16) == 0 && root[0] == 1);
+    axes.structSize = sizeof axes;
+    OK(dplGetFileAxes(avatar, &axes));
+    CHECK(axes.stated == DPL_TRUE && axes.loadedFromFile[0] == 1 && axes.loadedFromFile[1] == 0 && axes.loadedFromFile[8] == 1);
     joint.structSize = sizeof joint;
     OK(dplGetJointInfo(avatar, 0, &joint));
     CHECK(joint.parent == -1 && strcmp(joint.humanoidBone, "hips") == 0);

@@ -37,6 +37,7 @@ int main(void) {
               offsetof(DplImage, format) == 48 && offsetof(DplImage, meshDepthM) == 56);
         CHECK(sizeof(DplAvatarInfo) == 80 && offsetof(DplAvatarInfo, name) == 8 && offsetof(DplAvatarInfo, restMin) == 44 &&
               offsetof(DplAvatarInfo, fileSplatCount) == 68);
+        CHECK(sizeof(DplFileAxes) == 44 && offsetof(DplFileAxes, loadedFromFile) == 8);
         CHECK(sizeof(DplLoadInfo) == 40 && offsetof(DplLoadInfo, data) == 8 && offsetof(DplLoadInfo, release) == 24);
         CHECK(sizeof(DplLoadStatus) == 12 && offsetof(DplLoadStatus, progress) == 8);
         CHECK(sizeof(DplJointInfo) == 40 && offsetof(DplJointInfo, restPosition) == 28);

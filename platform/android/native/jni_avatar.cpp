@@ -33,13 +33,17 @@ jstring avatarName(JNIEnv* env, jclass, jlong avatar) {
     return info ? toJava(env, info->name) : nullptr;
 }
 
-/** counts: joints, splats, vertices, triangles, layers, clips, SH degree, splats and SH degree of the file. bounds: least, then most. */
+/** counts: joints, splats, vertices, triangles, layers, clips, SH degree, splats and SH degree of the file, whether its axes are stated.
+ *  bounds: least, then most. */
 void avatarInfo(JNIEnv* env, jclass, jlong avatar, jlongArray counts, jfloatArray bounds) {
     const auto info = infoOf(env, avatar);
     if (!info) return;
+    DplFileAxes axes{};
+    axes.structSize = sizeof axes;
+    if (!check(env, dplGetFileAxes(avatarOf(avatar), &axes))) return;
     write(env, counts,
           std::vector<jlong>{info->jointCount, info->splatCount, info->vertexCount, info->triangleCount, info->layerCount, info->clipCount,
-                             info->shDegree, info->fileSplatCount, info->fileShDegree});
+                             info->shDegree, info->fileSplatCount, info->fileShDegree, axes.stated});
     std::vector<float> box(info->restMin, info->restMin + 3);
     box.insert(box.end(), info->restMax, info->restMax + 3);
     write(env, bounds, box);

@@ -12,13 +12,6 @@ Result<std::vector<uint8_t>> readAvatarBytes(const std::filesystem::path& path) 
     return readFile(path, kMaxFileBytes, checkAvatarHead);
 }
 
-std::optional<StatedAxes> statedAxes(std::span<const uint8_t> bytes) {
-    if (splatFormatOf(bytes) == SplatFormat::None) return std::nullopt;
-    const auto axes = axesOfFile(bytes);
-    if (!axes) return std::nullopt;
-    return StatedAxes{!axes->stated.empty(), axes->uprightFromFile};
-}
-
 Result<AvatarData> avatarOf(const std::filesystem::path& path, std::span<const uint8_t> bytes, std::string_view what) {
     if (splatFormatOf(bytes) != SplatFormat::None)
         return fail(Code::Unsupported, "{} holds general splats, which have no {}; give an avatar", path.string(), what);

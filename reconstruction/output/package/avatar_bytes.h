@@ -4,7 +4,6 @@
 
 #include <cstdint>
 #include <filesystem>
-#include <optional>
 #include <span>
 #include <string_view>
 #include <vector>
@@ -20,15 +19,6 @@ Result<std::vector<uint8_t>> readAvatarBytes(const std::filesystem::path& path);
 
 /** What inspect and render say about a file that states no axes. */
 constexpr const char* kNoUpAxis = "no up axis stated; try --axes y-down";
-
-/** How a file of general splats stands. */
-struct StatedAxes {
-    bool any = false;   // the file, or the standard of its format, states its axes
-    Mat3d fileTurn{1};  // by which loading has therefore turned (or mirrored) it; identity if it states none
-};
-
-/** Nothing for an avatar, or for bytes that cannot be read. */
-std::optional<StatedAxes> statedAxes(std::span<const uint8_t> bytes);
 
 /** The avatar in the bytes of a file. `what` is wanted of it, for the error about general splats, which have none: "poses". Errors name the
  *  file. */

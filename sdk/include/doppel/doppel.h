@@ -172,8 +172,8 @@ DPL_API DplResult dplGetRendererName(DplContext context, const char** name);
 /** Loads an avatar (.glb) or general splats from memory and recognises the format by the content. General splats may be 3D Gaussian
  *  splatting PLY, PlayCanvas compressed PLY, SPZ 2 to 4, or .glb with KHR_gaussian_splatting.
  *  The library copies or decodes the bytes; the caller may free them on return. Free *avatar with dplDestroyAvatar.
- *  An avatar starts in its rest pose. General splats stand still in the coordinates of their file (in many PLY files y points down). They
- *  have no joints and no clips; the same functions draw them.
+ *  An avatar starts in its rest pose. General splats stand still, upright if their file says how it stands, else in its coordinates
+ *  (dplGetFileAxes). They have no joints and no clips; the same functions draw them.
  *  DPL_ERROR_CORRUPT_DATA: damaged file. DPL_ERROR_VERSION: the text names the versions of file and library. DPL_ERROR_UNSUPPORTED: another
  *  kind of file, or more splats than the device can bind; the text says what would help. */
 DPL_API DplResult dplLoadAvatar(DplContext context, const uint8_t* data, size_t size, DplAvatar* avatar);
@@ -274,6 +274,20 @@ typedef struct DplAvatarInfo {
 
 /** Tells of an avatar or of general splats. */
 DPL_API DplResult dplGetAvatarInfo(DplAvatar avatar, DplAvatarInfo* info);
+
+/** What dplGetFileAxes tells. */
+typedef struct DplFileAxes {
+    uint32_t structSize;
+    /** DPL_TRUE: the file, or the standard of its format, says how it stands (avatars: y up). DPL_FALSE: nobody does, and general splats
+     *  keep the coordinates of their file; in many PLY files y points down. */
+    uint32_t stated;
+    /** How loading turned the file upright, for programs that let people say otherwise: 3 columns. Orthogonal; of determinant -1 if the
+     *  file's axes are mirrored. The identity if nothing is stated. */
+    float loadedFromFile[9];
+} DplFileAxes;
+
+/** Tells how the file of an avatar or of general splats stands. */
+DPL_EXPERIMENTAL DplResult dplGetFileAxes(DplAvatar avatar, DplFileAxes* axes);
 
 /** What dplGetJointInfo tells. */
 typedef struct DplJointInfo {

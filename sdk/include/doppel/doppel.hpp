@@ -185,6 +185,7 @@ public:
     DplAvatar handle() const { return handle_; }
 
     Result<DplAvatarInfo> info() const { return filled<DplAvatarInfo>(dplGetAvatarInfo, handle_); }
+    Result<DplFileAxes> fileAxes() const { return filled<DplFileAxes>(dplGetFileAxes, handle_); }
     Result<DplJointInfo> joint(uint32_t index) const { return filled<DplJointInfo>(dplGetJointInfo, handle_, index); }
     Result<uint32_t> findJoint(const std::string& name) const {
         uint32_t index = 0;

@@ -63,10 +63,11 @@ final class JniTest {
 
     private void avatarTellsWhatItIs() {
         long avatar = load();
-        long[] counts = new long[9];
+        long[] counts = new long[10];
         float[] bounds = new float[6];
         Native.avatarInfo(avatar, counts, bounds);
-        expect(counts[0] == 2 && counts[1] == 128 && counts[3] == 2 && counts[5] == 1, "counts: " + Arrays.toString(counts));
+        expect(counts[0] == 2 && counts[1] == 128 && counts[3] == 2 && counts[5] == 1 && counts[9] == 1,
+                "counts: " + Arrays.toString(counts));
         expect(Math.abs(bounds[1] - 0.5f) < 1e-3f && Math.abs(bounds[4] - 1.5f) < 1e-3f, "bounds: " + Arrays.toString(bounds));
         expect(Native.avatarName(avatar).equals("tiny"), "name");
         expect(Arrays.asList(Native.jointNames(avatar)).equals(Arrays.asList("pelvis", "hips", "left_shoulder", "leftUpperArm")),

@@ -33,12 +33,12 @@ TEST_F(ApiTest, redSquareIsRedHasDepthAndLeavesTheCornerEmpty) {
 }
 
 /** A plain PLY of one large red splat and a green one behind it. */
-std::vector<uint8_t> splatFile() {
+std::vector<uint8_t> splatFile(const PlyWriteOptions& options = {}) {
     StaticSplatData s;
     s.position = {{0, 1, 0}, {0, 1, -0.5f}}, s.rotation = {{1, 0, 0, 0}, {1, 0, 0, 0}};
     s.scaleM = {{0.3f, 0.3f, 0.01f}, {0.6f, 0.6f, 0.01f}}, s.opacity = {0.95f, 0.95f};
     s.sh = {1.7f, -1.7f, -1.7f, -1.7f, 1.7f, -1.7f};
-    return *writePly(s);
+    return *writePly(s, options);
 }
 
 TEST_F(ApiTest, generalSplatsAreDrawnByTheSameCalls) {
@@ -67,6 +67,36 @@ TEST_F(ApiTest, generalSplatsAreDrawnByTheSameCalls) {
     ASSERT_EQ(dplRender(context_, splats, &cameras[1], 1, &image), DPL_OK);
     EXPECT_EQ(both[1], alone);
     EXPECT_EQ(dplDestroyAvatar(splats), DPL_OK);
+}
+
+/** A file that states its axes stands upright, and the matrix says how it was turned; so a program may turn it back. */
+TEST_F(ApiTest, fileAxesSayHowLoadingTurnedAFile) {
+    DplFileAxes axes{};
+    axes.structSize = sizeof axes;
+    const float same[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1};
+    ASSERT_EQ(dplGetFileAxes(avatar_, &axes), DPL_OK) << dplGetLastError();
+    EXPECT_EQ(axes.stated, uint32_t(DPL_TRUE)) << "avatars are y up";
+    EXPECT_TRUE(std::equal(same, same + 9, axes.loadedFromFile));
+    struct Case {
+        const char* letters;
+        bool stated;
+        float loadedFromFile[9];
+    };
+    const Case table[] = {{"", false, {1, 0, 0, 0, 1, 0, 0, 0, 1}},
+                          {"RUB", true, {1, 0, 0, 0, 1, 0, 0, 0, 1}},
+                          {"RDF", true, {1, 0, 0, 0, -1, 0, 0, 0, -1}},
+                          {"RFU", true, {1, 0, 0, 0, 0, -1, 0, 1, 0}},   // z up: y lies along -z
+                          {"LUB", true, {-1, 0, 0, 0, 1, 0, 0, 0, 1}}};  // mirrored
+    for (const Case& c : table) {
+        SCOPED_TRACE(c.letters);
+        const auto bytes = splatFile({.axes = c.letters});
+        DplAvatar splats = nullptr;
+        ASSERT_EQ(dplLoadAvatar(context_, bytes.data(), bytes.size(), &splats), DPL_OK) << dplGetLastError();
+        ASSERT_EQ(dplGetFileAxes(splats, &axes), DPL_OK) << dplGetLastError();
+        EXPECT_EQ(axes.stated != 0, c.stated);
+        for (int i = 0; i < 9; ++i) EXPECT_EQ(axes.loadedFromFile[i], c.loadedFromFile[i]) << i;
+        EXPECT_EQ(dplDestroyAvatar(splats), DPL_OK);
+    }
 }
 
 TEST_F(ApiTest, generalSplatsCannotBePosedAndSaySo) {

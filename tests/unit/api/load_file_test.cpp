@@ -5,9 +5,12 @@
 #include <unistd.h>
 #endif
 
+#include <algorithm>
 #include <fstream>
 
+#include "sdk/format/ply.h"
 #include "sdk/include/doppel/doppel.hpp"
+#include "tests/not_finite.h"
 #include "tests/unit/api/api_fixture.h"
 
 namespace dpl::test {
@@ -44,6 +47,23 @@ protected:
     }
     fs::path folder_;
 };
+
+TEST_F(LoadFile, warningsNameTheFile) {
+    StaticSplatData two;
+    two.position = {{0, 1, 0}, {0, kNan, 0}}, two.rotation.assign(2, {1, 0, 0, 0});
+    two.scaleM.assign(2, Vec3f(0.1f)), two.opacity.assign(2, 0.9f), two.sh.assign(6, 0);
+    const fs::path path = written("broken.ply", *writePly(two));
+    std::vector<std::string> lines;
+    dplSetLogCallback([](void* user, DplLogLevel, const char* text) { static_cast<std::vector<std::string>*>(user)->push_back(text); },
+                      &lines);
+    DplAvatar avatar = nullptr;
+    EXPECT_EQ(dplLoadAvatarFile(context_, utf8(path).c_str(), &avatar), DPL_OK) << dplGetLastError();
+    dplSetLogCallback(nullptr, nullptr);
+    EXPECT_EQ(dplDestroyAvatar(avatar), DPL_OK);
+    EXPECT_TRUE(std::any_of(lines.begin(), lines.end(), [&](const std::string& line) {
+        return line.find(utf8(path) + ": ") == 0 && line.find("1 of 2 splats left out") != std::string::npos;
+    })) << testing::PrintToString(lines);
+}
 
 TEST_F(LoadFile, loadsWhatLoadAvatarLoadsOfItsBytes) {
     const fs::path path = written("tiny.glb", tinyFile());

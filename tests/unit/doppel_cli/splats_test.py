@@ -176,7 +176,7 @@ broken[2][1] = math.nan
 write_ply("nan.ply", broken)
 says(["inspect", "nan.ply"], "4 splats", "1 of 5 splats left out")
 says(["export", "nan.ply", "-o", "nan.glb"], "1 of 5 splats left out", "4 splats")
-says(["render", "nan.ply", "-o", "nan.png", "--size", "64x96"], "1 of 5 splats left out")
+says(["render", "nan.ply", "-o", "nan.png", "--size", "64x96"], "nan.ply: 1 of 5 splats left out")
 write_ply("all-nan.ply", [[math.nan] * 14] * 3)
 says(["render", "all-nan.ply", "-o", "none.png"], "all-nan.ply", "none of its 3 splats is finite", code=1)
 write_ply("map.ply", [splat((448250 + 0.1 * k, 5411951, 300), 0.02) for k in range(5)])

@@ -3,7 +3,9 @@
 
 #include <gtest/gtest.h>
 
+#include "apps/shared/pictures.h"
 #include "sdk/format/avatar_file.h"
+#include "sdk/format/ply.h"
 #include "tests/package/tiny_avatar.h"
 
 namespace {
@@ -12,10 +14,9 @@ using namespace dpl;
 
 class SubjectTest : public ::testing::Test {
 protected:
-    ViewedSubject load(const AvatarData& data) {
-        const auto bytes = writeAvatar(data);
-        EXPECT_TRUE(bytes);
-        auto avatar = context_->loadAvatar(*bytes);
+    ViewedSubject load(const AvatarData& data) { return load(*writeAvatar(data)); }
+    ViewedSubject load(const std::vector<uint8_t>& bytes) {
+        auto avatar = context_->loadAvatar(bytes);
         EXPECT_TRUE(avatar) << avatar.error().message;
         auto subject = ViewedSubject::of(std::move(*avatar), "tiny.glb");
         EXPECT_TRUE(subject);
@@ -101,6 +102,26 @@ TEST(PlacesInRow, areApartAndAroundTheOrigin) {
     EXPECT_EQ(placesInRow(1), std::vector<double>{0});
     EXPECT_EQ(placesInRow(2), (std::vector<double>{-0.5, 0.5}));
     EXPECT_EQ(placesInRow(3), (std::vector<double>{-1, 0, 1}));
+}
+
+/** --axes is the user's word for the file. It takes the place of what the file states and does not add to it. */
+TEST_F(SubjectTest, axesReplaceWhatTheFileStates) {
+    StaticSplatData one;
+    one.position = {{0, 1, 0}}, one.scaleM = {Vec3f(0.1f)}, one.rotation = {{1, 0, 0, 0}}, one.opacity = {0.9f}, one.sh = {0, 0, 0};
+    const auto shown = [&](const char* stated, const char* axes) {  // where the splat's place in the file, (0, 0.75, 0.25), is shown
+        std::vector<ViewedSubject> subjects;
+        subjects.push_back(load(*writePly(one, {.axes = stated})));
+        const Vec3d inFile(0, 0.75, 0.25);
+        return Vec3f(uprightOf(subjects, axes) * (loadedFromFile(subjects[0].axes) * inFile));
+    };
+    expectNear(shown("", ""), {0, 0.75f, 0.25f});
+    expectNear(shown("RDF", ""), {0, -0.75f, -0.25f});
+    for (const char* stated : {"", "RUB", "RDF", "LDB", "RFU"}) {
+        expectNear(shown(stated, "y-up"), {0, 0.75f, 0.25f});
+        expectNear(shown(stated, "y-down"), {0, -0.75f, -0.25f});
+        expectNear(shown(stated, "z-up"), {0, 0.25f, -0.75f});
+    }
+    EXPECT_EQ(uprightOf({}, "y-down")[1], Vec3d(0, -1, 0)) << "before a file is loaded";
 }
 
 TEST_F(SubjectTest, theBoxHoldsAllSubjects) {

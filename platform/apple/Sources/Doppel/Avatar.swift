@@ -27,15 +27,18 @@ public final class Avatar: Sendable {
         public let restMin, restMax: SIMD3<Float>
         /// What the file holds. More than was loaded if memory was short.
         public let fileSplatCount, fileShDegree: Int
+        /// False: general splats of a file that does not say which way is up. `dplGetFileAxes` with `raw` tells more.
+        public let axesStated: Bool
     }
 
     public func info() throws(DoppelError) -> Info {
         let c = try filled(DplAvatarInfo.sized) { dplGetAvatarInfo(handle.raw, $0) }
+        let axes = try filled(DplFileAxes.sized) { dplGetFileAxes(handle.raw, $0) }
         return Info(
             name: String(cString: c.name), jointCount: Int(c.jointCount), splatCount: Int(c.splatCount), vertexCount: Int(c.vertexCount),
             triangleCount: Int(c.triangleCount), layerCount: Int(c.layerCount), clipCount: Int(c.clipCount), shDegree: Int(c.shDegree),
             restMin: SIMD3(c.restMin.0, c.restMin.1, c.restMin.2), restMax: SIMD3(c.restMax.0, c.restMax.1, c.restMax.2),
-            fileSplatCount: Int(c.fileSplatCount), fileShDegree: Int(c.fileShDegree))
+            fileSplatCount: Int(c.fileSplatCount), fileShDegree: Int(c.fileShDegree), axesStated: axes.stated != 0)
     }
 
     public struct Joint: Sendable, Equatable {

@@ -63,6 +63,7 @@ extension Sized {
 
 extension DplContextInfo: Sized {}
 extension DplAvatarInfo: Sized {}
+extension DplFileAxes: Sized {}
 extension DplJointInfo: Sized {}
 extension DplClipInfo: Sized {}
 extension DplClipOptions: Sized {}

@@ -74,6 +74,7 @@ final class RenderTests: XCTestCase {
         let avatar = try context.loadAvatar(TestAvatar.bytes)
         let info = try avatar.info()
         XCTAssertEqual([info.jointCount, info.clipCount, info.splatCount, info.fileSplatCount], [2, 1, 128, 128])
+        XCTAssertTrue(info.axesStated)
         XCTAssertEqual(info.name, "tiny")
         XCTAssertEqual(info.restMax.y, 1.5, accuracy: 0.01)
         XCTAssertEqual(try avatar.findJoint("leftUpperArm"), 1)

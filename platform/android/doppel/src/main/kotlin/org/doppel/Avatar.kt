@@ -16,6 +16,9 @@ class AvatarInfo internal constructor(val name: String, counts: LongArray, bound
     /** What the file holds; more than was loaded if memory was short. */
     val fileSplatCount = counts[7].toInt()
     val fileShDegree = counts[8].toInt()
+
+    /** False: general splats of a file that does not say which way is up. */
+    val axesStated = counts[9] != 0L
     val restMin = bounds.copyOfRange(0, 3)
     val restMax = bounds.copyOfRange(3, 6)
 }
@@ -52,7 +55,7 @@ class Avatar internal constructor(number: Long) : Closeable {
 
     val info: AvatarInfo
         get() {
-            val counts = LongArray(9)
+            val counts = LongArray(10)
             val bounds = FloatArray(6)
             Native.avatarInfo(number, counts, bounds)
             return AvatarInfo(Native.avatarName(number), counts, bounds)
@@ -69,7 +72,7 @@ class Avatar internal constructor(number: Long) : Closeable {
 
     val clips: List<Clip>
         get() {
-            val counts = LongArray(9)
+            val counts = LongArray(10)
             Native.avatarInfo(number, counts, null)
             return List(counts[5].toInt()) { Clip(it, Native.clipName(number, it), Native.clipDuration(number, it)) }
         }
