@@ -14,6 +14,45 @@ namespace {
 
 using Mesh = SkinnedGltf::Mesh;
 
+constexpr float kMostKeyValue = 1e9f;  // keeps squares and products finite
+
+/** values: of one key, `count` of them: for cubic channels tangent, value, tangent. */
+bool isSound(const Vec4f* values, size_t count, SkinnedGltf::Path path) {
+    for (size_t i = 0; i < count; ++i)
+        for (int c = 0; c < 4; ++c)
+            if (!(std::abs(values[i][c]) <= kMostKeyValue)) return false;
+    return path != SkinnedGltf::Path::Rotation || glm::length(values[count / 2]) > 1e-6f;
+}
+
+/** The longest row of sound keys whose times are finite and rise strictly. So one time that is far too large costs one key. */
+std::vector<size_t> risingKeys(std::span<const float> times, const std::vector<bool>& sound) {
+    std::vector<size_t> lastOf;  // lastOf[n]: the key of the least time that a row of n + 1 keys may end with
+    std::vector<size_t> before(times.size(), SIZE_MAX);
+    for (size_t k = 0; k < times.size(); ++k) {
+        if (!sound[k] || !(std::abs(times[k]) <= kMostKeyValue)) continue;
+        const auto at = std::lower_bound(lastOf.begin(), lastOf.end(), times[k], [&](size_t key, float time) { return times[key] < time; });
+        if (at != lastOf.begin()) before[k] = *(at - 1);
+        if (at == lastOf.end())
+            lastOf.push_back(k);
+        else if (times[k] < times[*at])
+            *at = k;  // of equal times the first stays
+    }
+    std::vector<size_t> row;
+    for (size_t k = lastOf.empty() ? SIZE_MAX : lastOf.back(); k != SIZE_MAX; k = before[k]) row.push_back(k);
+    std::reverse(row.begin(), row.end());
+    return row;
+}
+
+/** channels: what each lost. Empty if none lost anything. */
+std::string sentenceOf(const std::vector<std::string>& channels) {
+    constexpr size_t kMostNamed = 8;
+    if (channels.empty()) return {};
+    std::string text =
+        "keys with a number that is not finite or above 1e9, a time that does not rise or a rotation of length 0 are left out: ";
+    for (size_t i = 0; i < std::min(channels.size(), kMostNamed); ++i) text += (i > 0 ? ", " : "") + channels[i];
+    return channels.size() > kMostNamed ? formatText("{} and of {} more channels", text, channels.size() - kMostNamed) : text;
+}
+
 struct SkinnedReader {
     const SkinnedGltfOptions& options;
     GltfModel model{};
@@ -174,40 +213,52 @@ struct SkinnedReader {
         return {};
     }
 
+    /** Without keys if none is sound. Adds what it leaves out to `leftOut`. */
+    Result<SkinnedGltf::Channel> readChannel(const GltfAnimation& from, const GltfAnimation::Channel& source,
+                                             std::vector<std::string>& leftOut) {
+        const GltfAnimation::Sampler& sampler = from.samplers[source.sampler];
+        SkinnedGltf::Channel channel;
+        channel.node = uint32_t(nodeOf[source.node]);
+        channel.path = source.path == "rotation"      ? SkinnedGltf::Path::Rotation
+                       : source.path == "translation" ? SkinnedGltf::Path::Translation
+                                                      : SkinnedGltf::Path::Scale;
+        channel.interpolation = sampler.interpolation == "STEP"          ? SkinnedGltf::Interpolation::Step
+                                : sampler.interpolation == "CUBICSPLINE" ? SkinnedGltf::Interpolation::Cubic
+                                                                         : SkinnedGltf::Interpolation::Linear;
+        const uint32_t components = channel.path == SkinnedGltf::Path::Rotation ? 4 : 3;
+        DPL_RETURN_IF_ERROR(spend(uint64_t(model.accessors[sampler.input].count) * 4));
+        DPL_RETURN_IF_ERROR(spend(uint64_t(model.accessors[sampler.output].count) * components * 4));
+        DPL_TRY(const std::vector<float> times, readAnyFloats(model, sampler.input, 1));
+        DPL_TRY(const std::vector<float> values, readAnyFloats(model, sampler.output, components));
+        const size_t perKey = channel.interpolation == SkinnedGltf::Interpolation::Cubic ? 3 : 1;
+        if (times.empty() || values.size() != times.size() * perKey * components)
+            return fail(Code::CorruptData, "animation '{}' has {} times and {} values", from.name, times.size(),
+                        values.size() / components);
+        std::vector<Vec4f> all;
+        for (size_t i = 0; i < values.size(); i += components)
+            all.emplace_back(values[i], values[i + 1], values[i + 2], components == 4 ? values[i + 3] : 0.0f);
+        std::vector<bool> sound(times.size());
+        for (size_t k = 0; k < times.size(); ++k) sound[k] = isSound(&all[k * perKey], perKey, channel.path);
+        for (const size_t k : risingKeys(times, sound)) {
+            channel.timesS.push_back(times[k]);
+            channel.values.insert(channel.values.end(), &all[k * perKey], &all[k * perKey] + perKey);
+        }
+        if (const size_t lost = times.size() - channel.timesS.size(); lost > 0)
+            leftOut.push_back(formatText("{} of {} in the {} of '{}'", lost, times.size(), source.path, out.nodes[channel.node].name));
+        return channel;
+    }
+
     Status readAnimations() {
         for (const GltfAnimation& from : model.animations) {
             SkinnedGltf::Animation& to = out.animations.emplace_back();
             to.name = from.name;
+            std::vector<std::string> leftOut;
             for (const GltfAnimation::Channel& source : from.channels) {
-                if (source.node < 0 || source.path == "weights") continue;
-                const GltfAnimation::Sampler& sampler = from.samplers[source.sampler];
-                SkinnedGltf::Channel channel;
-                channel.node = uint32_t(nodeOf[source.node]);
-                if (source.path == "rotation")
-                    channel.path = SkinnedGltf::Path::Rotation;
-                else if (source.path == "translation")
-                    channel.path = SkinnedGltf::Path::Translation;
-                else if (source.path == "scale")
-                    channel.path = SkinnedGltf::Path::Scale;
-                else
-                    continue;
-                channel.interpolation = sampler.interpolation == "STEP"          ? SkinnedGltf::Interpolation::Step
-                                        : sampler.interpolation == "CUBICSPLINE" ? SkinnedGltf::Interpolation::Cubic
-                                                                                 : SkinnedGltf::Interpolation::Linear;
-                DPL_TRY(channel.timesS, floats(sampler.input, 1));
-                const uint32_t components = channel.path == SkinnedGltf::Path::Rotation ? 4 : 3;
-                DPL_TRY(const std::vector<float> values, floats(sampler.output, components));
-                const size_t perKey = channel.interpolation == SkinnedGltf::Interpolation::Cubic ? 3 : 1;
-                if (channel.timesS.empty() || values.size() != channel.timesS.size() * perKey * components)
-                    return fail(Code::CorruptData, "animation '{}' has {} times and {} values", to.name, channel.timesS.size(),
-                                values.size() / components);
-                for (size_t i = 1; i < channel.timesS.size(); ++i)
-                    if (!(channel.timesS[i] > channel.timesS[i - 1]))
-                        return fail(Code::CorruptData, "the times of animation '{}' do not rise", to.name);
-                for (size_t i = 0; i < values.size(); i += components)
-                    channel.values.emplace_back(values[i], values[i + 1], values[i + 2], components == 4 ? values[i + 3] : 0.0f);
-                to.channels.push_back(std::move(channel));
+                if (source.node < 0 || (source.path != "rotation" && source.path != "translation" && source.path != "scale")) continue;
+                DPL_TRY(SkinnedGltf::Channel channel, readChannel(from, source, leftOut));
+                if (!channel.timesS.empty()) to.channels.push_back(std::move(channel));
             }
+            to.leftOut = sentenceOf(leftOut);
         }
         return {};
     }

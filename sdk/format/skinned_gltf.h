@@ -57,7 +57,8 @@ struct SkinnedGltf {
     };
     struct Animation {
         std::string name;
-        std::vector<Channel> channels;  // without channels of morph weights
+        std::vector<Channel> channels;  // without channels of morph weights, and without those of which no key is sound
+        std::string leftOut;            // a sentence: keys that are not sound, by channel; empty: none
         float endS() const;
     };
 
@@ -76,6 +77,8 @@ struct SkinnedGltfOptions {
 };
 
 /** Reads a .glb, also with KHR_draco_mesh_compression and sparse accessors. The bytes may be freed on return. Any thread.
+ *  Keys of animations that are not sound are left out and named: a time that is not finite or does not rise, numbers that are not finite or
+ *  beyond 10⁹, a rotation without length.
  *  CorruptData: damaged bytes. Unsupported: not a .glb, external buffers, a required extension that is not known.
  *  NotFound, with requireSkin: no mesh is skinned; the text says "no skin weights" if there are meshes. */
 Result<SkinnedGltf> readSkinnedGltf(std::span<const uint8_t> bytes, const SkinnedGltfOptions& options = {});

@@ -90,6 +90,8 @@ Result<Motion> readGltfMotion(std::span<const uint8_t> bytes, std::string_view n
     DPL_TRY(const SkinnedGltf gltf, readSkinnedGltf(bytes, options));
     DPL_TRY(const size_t taken, chooseAnimation(gltf.animations, choice, name));
     const SkinnedGltf::Animation& clip = gltf.animations[taken];
+    if (clip.channels.empty() && !clip.leftOut.empty())
+        return fail(Code::CorruptData, "{}: animation '{}' has no sound key; {}", name, clip.name, clip.leftOut);
     if (clip.channels.empty())
         return fail(Code::Unsupported,
                     "{}: animation '{}' moves no node, as of a face or a material: it has no skeleton to take a motion from", name,
@@ -108,6 +110,7 @@ Result<Motion> readGltfMotion(std::span<const uint8_t> bytes, std::string_view n
     if (choice.animation.empty() && gltf.animations.size() > 1)
         motion.notes.push_back(formatText("the file holds {} animations: took '{}' ({}), left {}; choose by name or number (--animation)",
                                           gltf.animations.size(), clip.name, taken, listed(gltf.animations, taken)));
+    if (!clip.leftOut.empty()) motion.notes.push_back(clip.leftOut);
     const std::vector<Mat4f> sceneFromNode = gltf.restTransforms();
     const std::vector<Quatf> rest = restRotations(gltf);
     std::vector<int32_t> jointOf(gltf.nodes.size(), -1);

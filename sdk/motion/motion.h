@@ -55,7 +55,8 @@ struct MotionChoice {
 
 /** Reads one animation of a glTF binary, with or without a skin. Bones are those that the file states (VRM 0, VRM 1, VRM animation). Its
  * keys are the union of the key times of all channels; if a channel is cubic, 60 keys per second are added. Where the file holds several
- *  animations and none was chosen by name, a note names them. Errors as readSkinnedGltf; NotFound: no such animation, the text lists them.
+ *  animations and none was chosen by name, a note names them. Keys that are not sound are left out and noted. Errors as readSkinnedGltf;
+ * NotFound: no such animation, the text lists them.
  */
 Result<Motion> readGltfMotion(std::span<const uint8_t> bytes, std::string_view name, const MotionChoice& choice = {});
 

@@ -2,11 +2,15 @@
 // One motion under other names, rest poses, axes, containers and flaws moves an avatar as the plain file does.
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
+#include <cstring>
 #include <map>
 
 #include "sdk/core/log.h"
 #include "sdk/motion/clip.h"
 #include "sdk/motion/motion_clip.h"
+#include "tests/not_finite.h"
 #include "tests/unit/motion/mocap.h"
 #include "tests/unit/motion/written_motion.h"
 
@@ -240,6 +244,66 @@ TEST(MotionInputs, theAnimationOfAGltfIsChosenByNameOrNumberAndTheOthersAreNamed
     EXPECT_NE(refused(bytes, {"run"}).find("no animation 'run'; the file holds 3: 'TPose' (0), 'idle' (1), 'walk' (2)"), std::string::npos);
     EXPECT_NE(refused(bytes, {"3"}).find("no animation '3'"), std::string::npos);
     EXPECT_NE(refused(bytesOf(bvhOf(WrittenMotion(rig, walk(rig), {}))), {"walk"}).find("a BVH holds one motion"), std::string::npos);
+}
+
+/** One key that is no number costs that key: the motion between its neighbours goes on, and the loss is counted and named. */
+TEST(MotionInputs, keysOfAGltfThatAreNotSoundAreLeftOutAndNamed) {
+    const auto rig = personOfFile();
+    const ClipData right = plain();
+    const WrittenMotion sound(rig, walk(rig), {});
+    const size_t arm = jointOf(rig, "rightHand");
+    const auto with = [&](auto change) {
+        WrittenMotion motion = sound;
+        change(motion);
+        return motion;
+    };
+    const std::string hand = "'" + sound.names[arm] + "'", hips = "'" + sound.names[0] + "'";
+    const auto turnOf = [&](float x) { return with([&](WrittenMotion& m) { m.turns[7][arm] = Quatf(x, 0, 0, 0); }); };
+    const std::tuple<const char*, WrittenMotion, std::string> table[] = {
+        {"a rotation of nan", turnOf(kNan), "1 of 30 in the rotation of " + hand},
+        {"a place of infinity", with([](WrittenMotion& m) { m.rootPlaces[3].y = INFINITY; }), "1 of 30 in the translation of " + hips},
+        {"a place of 1e30", with([](WrittenMotion& m) { m.rootPlaces[29].x = 1e30f; }), "1 of 30 in the translation of " + hips},
+        {"two places", with([](WrittenMotion& m) { m.rootPlaces[0].x = m.rootPlaces[9].z = kNan; }),
+         "2 of 30 in the translation of " + hips},
+    };
+    for (const auto& [what, motion, said] : table) {
+        SCOPED_TRACE(what);
+        Notes notes;
+        EXPECT_LT(farthestApart(played(glbOf(motion, {"walk"}), "bad.glb"), right), 0.03f) << "a key of 1/30 s is bridged";
+        EXPECT_TRUE(notes.has(said)) << notes.text();
+        EXPECT_TRUE(notes.has("bad.glb: ")) << notes.text();
+    }
+    for (const float time : {kNan, -1.0f, 4.0f, 1e30f, 8 / 30.0f}) {  // in place of 9/30
+        SCOPED_TRACE(time);
+        auto bytes = glbOf(sound, {"walk"});
+        const float was[2] = {9 / 30.0f, 10 / 30.0f};
+        const auto at =
+            std::search(bytes.begin(), bytes.end(), reinterpret_cast<const uint8_t*>(was), reinterpret_cast<const uint8_t*>(was + 2));
+        ASSERT_NE(at, bytes.end());
+        std::memcpy(&*at, &time, sizeof time);
+        Notes notes;
+        const ClipData clip = played(bytes, "bad.glb");
+        EXPECT_LT(farthestApart(clip, right), 0.03f);
+        EXPECT_NEAR(clipDurationS(clip), 29 / 30.0, 1e-4);
+        EXPECT_TRUE(notes.has("1 of 30 in the rotation of " + hips + ", ")) << notes.text();
+        EXPECT_TRUE(notes.has(" more channels")) << notes.text();
+    }
+    {
+        Notes notes;  // of a hand of which no key is sound the rest is told, and the others move
+        const ClipData clip = played(glbOf(with([&](WrittenMotion& m) {
+                                               for (auto& key : m.turns) key[arm].x = kNan;
+                                           }),
+                                           {"walk"}),
+                                     "bad.glb");
+        EXPECT_LT(farthestApart(clip, right), 0.25f);
+        EXPECT_TRUE(notes.has("30 of 30 in the rotation of " + hand)) << notes.text();
+    }
+    const std::string why = refused(glbOf(with([](WrittenMotion& m) {
+                                              for (auto& key : m.turns) std::fill(key.begin(), key.end(), Quatf(kNan, 0, 0, 0));
+                                              for (Vec3f& place : m.rootPlaces) place.x = kNan;
+                                          }),
+                                          {"walk"}));
+    EXPECT_NE(why.find("animation 'walk' has no sound key"), std::string::npos) << why;
 }
 
 /** The map of a file by bone -> node. */
