@@ -88,13 +88,15 @@ std::vector<uint8_t> rgbOfCmyk(std::span<const uint8_t> cmyk, bool inverted) {
     return rgb;
 }
 
-Result<Picture> decodeJpeg(std::span<const uint8_t> file, bool asStored, PictureColours& colours) {
+/** shrink: 1 or 8. A picture that is shrunk while it is decoded takes a third of the time; its compressed pixels are all read. */
+Result<Picture> decodeJpeg(std::span<const uint8_t> file, bool asStored, PictureColours& colours, int shrink = 1) {
     const TurboHandle turbo{tjInitDecompress()};
     if (!turbo.handle) return fail(Code::OutOfMemory, "no memory to decode a JPEG");
     int widthPx = 0, heightPx = 0, subsampling = 0, colourSpace = 0;
     const auto bytes = static_cast<unsigned long>(file.size());
     if (tjDecompressHeader3(turbo.handle, file.data(), bytes, &widthPx, &heightPx, &subsampling, &colourSpace) != 0)
         return fail(Code::CorruptData, "damaged JPEG ({})", tjGetErrorStr2(turbo.handle));
+    widthPx = (widthPx + shrink - 1) / shrink, heightPx = (heightPx + shrink - 1) / shrink;
     const bool cmyk = colourSpace == TJCS_CMYK || colourSpace == TJCS_YCCK;
     const bool grey = colourSpace == TJCS_GRAY && asStored;
     const int format = cmyk ? TJPF_CMYK : grey ? TJPF_GRAY : TJPF_RGB;
@@ -293,6 +295,17 @@ Result<Picture> decodePicture(std::span<const uint8_t> file, PictureChannels cha
     if (channels == PictureChannels::Rgba && picture.channels == 3) picture = withAlpha(picture);
     if (colours) *colours = std::move(found);
     return picture;
+}
+
+Status checkPicture(std::span<const uint8_t> file) {
+    if (!beginsWith(file, {0xff, 0xd8})) {
+        DPL_TRY([[maybe_unused]] const Picture decoded, decodePicture(file, PictureChannels::AsStored));
+        return {};
+    }
+    constexpr int kShrink = 8;
+    PictureColours colours;
+    DPL_TRY([[maybe_unused]] const Picture small, decodeJpeg(file, true, colours, kShrink));
+    return {};
 }
 
 Result<std::vector<uint8_t>> encodePng(std::span<const uint8_t> pixels, uint32_t widthPx, uint32_t heightPx, uint32_t channels) {

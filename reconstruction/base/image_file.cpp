@@ -4,8 +4,11 @@
 #include <algorithm>
 #include <cstring>
 #include <fstream>
+#include <string_view>
 
+#include "reconstruction/base/image_codec.h"
 #include "reconstruction/base/image_size.h"
+#include "reconstruction/base/program.h"
 
 namespace dpl {
 namespace {
@@ -22,6 +25,32 @@ uint32_t big16(Bytes b, size_t at) {
 }
 uint32_t big32(Bytes b, size_t at) {
     return big16(b, at) << 16 | big16(b, at + 2);
+}
+
+bool has(Bytes b, size_t at, std::string_view text) {
+    return b.size() >= at + text.size() && std::memcmp(b.data() + at, text.data(), text.size()) == 0;
+}
+
+/** The format of a picture that is neither JPEG nor PNG; empty: unknown. */
+std::string otherFormat(Bytes b) {
+    if (has(b, 4, "ftyp")) {
+        for (const char* brand : {"heic", "heix", "heim", "heis", "hevc", "hevx", "mif1", "msf1"})
+            if (has(b, 8, brand)) return "HEIC";
+        if (has(b, 8, "avif") || has(b, 8, "avis")) return "AVIF";
+    }
+    if (has(b, 0, "RIFF") && has(b, 8, "WEBP")) return "WebP";
+    if (has(b, 0, std::string_view("II*\0", 4)) || has(b, 0, std::string_view("MM\0*", 4))) return "TIFF";
+    return has(b, 0, "GIF8") ? "GIF" : has(b, 0, "BM") ? "BMP" : "";
+}
+
+Error neitherJpegNorPng(Bytes b, const fs::path& path) {
+    const std::string format = otherFormat(b), name = path.string();
+    if (format.empty()) return fail(Code::Unsupported, "{}: neither JPEG nor PNG; convert the image", name);
+    if (format == "HEIC")
+        return fail(Code::Unsupported, "{}: HEIC is not read; convert it (apt-get install libheif-examples): heif-convert -q 95 {} {}",
+                    name, shellWord(path), shellWord(name + ".jpg"));
+    return fail(Code::Unsupported, "{}: {} is not read; convert it: ffmpeg -i {} {}", name, format, shellWord(path),
+                shellWord(name + ".png"));
 }
 
 struct Walk {
@@ -95,7 +124,7 @@ Result<Walk> walkImage(Bytes b, bool wholeFile, const fs::path& path) {
     else if (b.empty())
         return fail(Code::CorruptData, "{}: the file is empty; copy it again", path.string());
     else
-        return fail(Code::Unsupported, "{}: neither JPEG nor PNG; convert the image", path.string());
+        return neitherJpegNorPng(b, path);
     if (walk.header.widthPx == 0 || walk.header.heightPx == 0)
         return fail(Code::CorruptData, "{}: damaged before its size could be read; copy the image again", path.string());
     DPL_RETURN_IF_ERROR(checkImageSize(walk.header.widthPx, walk.header.heightPx, path.string()));
@@ -150,6 +179,13 @@ Result<std::vector<uint8_t>> readCompleteImage(const fs::path& path) {
 Result<ImageHeader> probeCompleteImage(const fs::path& path) {
     DPL_TRY(const auto bytes, readBytes(path, kMaxFileBytes));
     return completeHeader(bytes, path);
+}
+
+Status checkPicturePixels(const fs::path& path) {
+    DPL_TRY(const auto bytes, readBytes(path, kMaxFileBytes));
+    const Status sound = checkPicture(bytes);
+    if (!sound) return fail(sound.error().code, "{}: {}; copy or export the picture again", path.string(), sound.error().message);
+    return {};
 }
 
 }  // namespace dpl

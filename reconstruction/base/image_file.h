@@ -24,6 +24,9 @@ Result<std::vector<uint8_t>> readCompleteImage(const std::filesystem::path& path
 /** Size of a picture that is complete: the checks of readCompleteImage. */
 Result<ImageHeader> probeCompleteImage(const std::filesystem::path& path);
 
+/** Whether the compressed pixels of a picture can be decoded. CorruptData: they are damaged. */
+Status checkPicturePixels(const std::filesystem::path& path);
+
 /** The checks of readCompleteImage on bytes that were read already. */
 Status checkCompleteImage(std::span<const uint8_t> bytes, const std::filesystem::path& path);
 

@@ -8,6 +8,8 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
+#include <cctype>
 #include <cerrno>
 #include <chrono>
 #include <csignal>
@@ -128,6 +130,17 @@ void endGroup(pid_t child) {
 }
 
 }  // namespace
+
+std::string shellWord(const fs::path& path) {
+    const std::string text = path.string();
+    const bool plain = !text.empty() && std::all_of(text.begin(), text.end(), [](unsigned char c) {
+        return std::isalnum(c) || c >= 0x80 || std::string_view("/._-+:,@%=").find(char(c)) != std::string_view::npos;
+    });
+    if (plain) return text;
+    std::string word = "'";
+    for (const char c : text) word += c == '\'' ? std::string("'\\''") : std::string(1, c);
+    return word + "'";
+}
 
 std::optional<fs::path> findProgram(const std::string& name) {
     const auto runnable = [](const fs::path& path) {

@@ -56,6 +56,9 @@ private:
     Status end_;
 };
 
+/** A path as a word of a shell command: 'my photos' in quotes, photos/a.jpg as it is. */
+std::string shellWord(const std::filesystem::path& path);
+
 /** The file that runProgram would start for `name`, or nullopt. */
 std::optional<std::filesystem::path> findProgram(const std::string& name);
 

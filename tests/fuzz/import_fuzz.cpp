@@ -57,6 +57,7 @@ void fuzzJson(std::string_view text) {
         return std::filesystem::path(name);
     };
     files.header = [](const std::filesystem::path&) -> dpl::Result<dpl::ImageHeader> { return dpl::ImageHeader{96, 128}; };
+    files.decode = false;
     const auto transforms = dpl::parseNerfstudio(*value, "fuzz.json", files);
     checkEnd(transforms, text.size());
     if (transforms)

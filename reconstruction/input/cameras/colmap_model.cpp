@@ -24,15 +24,38 @@ struct ColmapCamera {
     Camerad camera;
     LensDistortion lens;
 };
-using Cameras = std::map<uint32_t, ColmapCamera>;
+/** Cameras by their numbers. One that cannot be read is an error only for the images that use it. */
+struct Cameras {
+    std::map<uint32_t, ColmapCamera> read;
+    std::map<uint32_t, std::string> otherLens;  // name of the camera model
+    std::map<uint32_t, Error> damaged;
+    bool has(uint32_t id) const { return read.count(id) + otherLens.count(id) + damaged.count(id) > 0; }
+};
+
+/** Images that can be used, and others. */
+struct Images {
+    std::vector<ColmapImage> read;
+    std::vector<UnreadColmapImage> unread;
+};
 
 struct ModelKind {
     int32_t id;
     const char* name;
     uint32_t parameterCount;
+    bool read = true;
 };
-constexpr std::array kModels{ModelKind{0, "SIMPLE_PINHOLE", 3}, ModelKind{1, "PINHOLE", 4}, ModelKind{2, "SIMPLE_RADIAL", 4},
-                             ModelKind{3, "RADIAL", 5}, ModelKind{4, "OPENCV", 8}};
+constexpr std::array kModels{ModelKind{0, "SIMPLE_PINHOLE", 3},
+                             ModelKind{1, "PINHOLE", 4},
+                             ModelKind{2, "SIMPLE_RADIAL", 4},
+                             ModelKind{3, "RADIAL", 5},
+                             ModelKind{4, "OPENCV", 8},
+                             ModelKind{5, "OPENCV_FISHEYE", 8, false},
+                             ModelKind{6, "FULL_OPENCV", 12, false},
+                             ModelKind{7, "FOV", 5, false},
+                             ModelKind{8, "SIMPLE_RADIAL_FISHEYE", 4, false},
+                             ModelKind{9, "RADIAL_FISHEYE", 5, false},
+                             ModelKind{10, "THIN_PRISM_FISHEYE", 12, false},
+                             ModelKind{11, "RAD_TAN_THIN_PRISM_FISHEYE", 16, false}};
 
 Error unsupportedModel(const std::string& where, std::string_view model) {
     return fail(Code::Unsupported,
@@ -69,28 +92,58 @@ ColmapCamera makeCamera(int32_t model, uint64_t width, uint64_t height, std::spa
     return c;
 }
 
-Status addCamera(Cameras& cameras, uint32_t id, ColmapCamera camera, const std::string& file) {
+Status addCamera(Cameras& cameras, uint32_t id, const ColmapCamera& camera, const std::string& file) {
     const std::string where = formatText("{} camera {}", file, id);
+    if (cameras.has(id)) return fail(Code::CorruptData, "{} is listed twice; export the model again", where);
     Camerad probe = camera.camera;  // checks the intrinsics; the pose is still the identity
-    DPL_RETURN_IF_ERROR(checkCamera(probe, where));
-    DPL_RETURN_IF_ERROR(checkDistortion(camera.lens, camera.camera, where));
-    if (!cameras.emplace(id, camera).second) return fail(Code::CorruptData, "{} is listed twice; export the model again", where);
+    Status sound = checkCamera(probe, where);
+    if (sound) sound = checkDistortion(camera.lens, camera.camera, where);
+    if (sound)
+        cameras.read.emplace(id, camera);
+    else
+        cameras.damaged.emplace(id, sound.error());
     return {};
 }
 
-Status addImage(std::vector<ColmapImage>& images, const Cameras& cameras, std::string name, uint32_t cameraId,
-                const std::array<double, 4>& q, const Vec3d& t, const std::string& file) {
-    const std::string where = formatText("{} image '{}'", file, name);
-    if (name.empty() || name.size() > kMaxNameBytes)
-        return fail(Code::CorruptData, "{}: an image has no usable name; export the model again", file);
-    const auto found = cameras.find(cameraId);
-    if (found == cameras.end())
-        return fail(Code::CorruptData, "{} uses camera {}, which the model does not list; export it again", where, cameraId);
-    ColmapImage image{std::move(name), found->second.camera, found->second.lens};
-    setColmapPose(image.camera, q, t);
+Status addOtherLens(Cameras& cameras, uint32_t id, std::string_view model, const std::string& file) {
+    constexpr size_t kMaxNamed = 60;
+    if (cameras.has(id)) return fail(Code::CorruptData, "{} camera {} is listed twice; export the model again", file, id);
+    cameras.otherLens.emplace(id, model.substr(0, kMaxNamed));
+    return {};
+}
+
+/** What an image line or entry states. */
+struct ImageEntry {
+    std::string name;
+    uint32_t cameraId = 0;
+    std::array<double, 4> q{};
+    Vec3d t{0};
+};
+
+Result<ColmapImage> imageOf(const Cameras& cameras, const ImageEntry& entry, const fs::path& imagesFile, const fs::path& camerasFile) {
+    const std::string where = formatText("{} image '{}'", imagesFile.string(), entry.name);
+    if (const auto lens = cameras.otherLens.find(entry.cameraId); lens != cameras.otherLens.end())
+        return unsupportedModel(formatText("{} camera {}", camerasFile.string(), entry.cameraId), lens->second);
+    if (const auto damaged = cameras.damaged.find(entry.cameraId); damaged != cameras.damaged.end()) return damaged->second;
+    const auto found = cameras.read.find(entry.cameraId);
+    if (found == cameras.read.end())
+        return fail(Code::CorruptData, "{} uses camera {}, which the model does not list; export it again", where, entry.cameraId);
+    ColmapImage image{entry.name, found->second.camera, found->second.lens};
+    setColmapPose(image.camera, entry.q, entry.t);
     DPL_RETURN_IF_ERROR(checkCamera(image.camera, where));
-    images.push_back(std::move(image));
-    if (images.size() > kMaxEntries) return fail(Code::Unsupported, "{}: more than {} images; split the model", file, kMaxEntries);
+    return image;
+}
+
+Status addImage(Images& images, const Cameras& cameras, ImageEntry entry, const fs::path& file) {
+    if (entry.name.empty() || entry.name.size() > kMaxNameBytes)
+        return fail(Code::CorruptData, "{}: an image has no usable name; export the model again", file.string());
+    auto image = imageOf(cameras, entry, file, file.parent_path() / ("cameras" + file.extension().string()));
+    if (image)
+        images.read.push_back(std::move(*image));
+    else
+        images.unread.push_back({std::move(entry.name), image.error()});
+    if (images.read.size() + images.unread.size() > kMaxEntries)
+        return fail(Code::Unsupported, "{}: more than {} images; split the model", file.string(), kMaxEntries);
     return {};
 }
 
@@ -133,7 +186,10 @@ Result<Cameras> readCamerasText(const fs::path& path, std::string_view text) {
         if (!parse(line, id)) return fail(Code::CorruptData, "{}: a camera number is expected; export the model again", where);
         const auto name = nextWord(line);
         const auto* kind = std::find_if(kModels.begin(), kModels.end(), [&](const ModelKind& k) { return name == k.name; });
-        if (kind == kModels.end()) return unsupportedModel(where, name);
+        if (kind == kModels.end() || !kind->read) {
+            DPL_RETURN_IF_ERROR(addOtherLens(cameras, id, name, path.string()));
+            continue;
+        }
         std::array<double, 8> p{};
         bool good = parse(line, width) && parse(line, height);
         for (uint32_t i = 0; i < kind->parameterCount; ++i) good = good && parse(line, p[i]);
@@ -153,8 +209,8 @@ bool isPointsLine(std::string_view line) {
     return words % 3 == 0;
 }
 
-Result<std::vector<ColmapImage>> readImagesText(const fs::path& path, std::string_view text, const Cameras& cameras) {
-    std::vector<ColmapImage> images;
+Result<Images> readImagesText(const fs::path& path, std::string_view text, const Cameras& cameras) {
+    Images images;
     Lines lines{text};
     std::string_view line;
     bool pointsMayFollow = false;
@@ -162,16 +218,17 @@ Result<std::vector<ColmapImage>> readImagesText(const fs::path& path, std::strin
         if (!line.empty() && line.front() == '#') continue;
         if (std::exchange(pointsMayFollow, false) && isPointsLine(line)) continue;
         if (line.find_first_not_of(" \t") == std::string_view::npos) continue;
-        uint32_t id = 0, cameraId = 0;
-        std::array<double, 4> q{};
-        Vec3d t{0};
+        uint32_t id = 0;
+        ImageEntry entry;
+        auto& [name, cameraId, q, t] = entry;
         bool good = parse(line, id) && parse(line, q[0]) && parse(line, q[1]) && parse(line, q[2]) && parse(line, q[3]);
         good = good && parse(line, t.x) && parse(line, t.y) && parse(line, t.z) && parse(line, cameraId);
         const size_t begin = line.find_first_not_of(" \t");
         if (!good || begin == std::string_view::npos)
             return fail(Code::CorruptData, "{} line {}: 'id qw qx qy qz tx ty tz camera name' is expected; export the model again",
                         path.string(), number);
-        DPL_RETURN_IF_ERROR(addImage(images, cameras, std::string(line.substr(begin)), cameraId, q, t, path.string()));
+        name = std::string(line.substr(begin));
+        DPL_RETURN_IF_ERROR(addImage(images, cameras, std::move(entry), path));
         pointsMayFollow = true;
     }
     return images;
@@ -201,12 +258,14 @@ Result<Cameras> readCamerasBinary(const fs::path& path, std::span<const uint8_t>
         DPL_TRY(const uint64_t width, in.value<uint64_t>());
         DPL_TRY(const uint64_t height, in.value<uint64_t>());
         const auto* kind = std::find_if(kModels.begin(), kModels.end(), [&](const ModelKind& k) { return model == k.id; });
-        if (kind == kModels.end()) return unsupportedModel(formatText("{} camera {}", path.string(), id), formatText("number {}", model));
-        std::array<double, 8> p{};
+        if (kind == kModels.end())  // how many numbers follow is unknown, so what comes behind it cannot be read
+            return unsupportedModel(formatText("{} camera {}", path.string(), id), formatText("number {}", model));
+        std::array<double, 16> p{};
         for (uint32_t k = 0; k < kind->parameterCount; ++k) {
             DPL_TRY(p[k], in.value<double>());
         }
-        DPL_RETURN_IF_ERROR(addCamera(cameras, id, makeCamera(model, width, height, p), path.string()));
+        DPL_RETURN_IF_ERROR(kind->read ? addCamera(cameras, id, makeCamera(model, width, height, p), path.string())
+                                       : addOtherLens(cameras, id, kind->name, path.string()));
     }
     return cameras;
 }
@@ -221,9 +280,9 @@ Result<std::string> readName(Reader& in) {
     }
 }
 
-Result<std::vector<ColmapImage>> readImagesBinary(const fs::path& path, std::span<const uint8_t> bytes, const Cameras& cameras) {
+Result<Images> readImagesBinary(const fs::path& path, std::span<const uint8_t> bytes, const Cameras& cameras) {
     Reader in(bytes);
-    std::vector<ColmapImage> images;
+    Images images;
     DPL_TRY(const uint64_t count, readCount(in, 4 + 7 * 8 + 4 + 1 + 8, path));
     for (uint64_t i = 0; i < count; ++i) {
         DPL_RETURN_IF_ERROR(in.skip(4));  // image id
@@ -237,8 +296,8 @@ Result<std::vector<ColmapImage>> readImagesBinary(const fs::path& path, std::spa
         if (points > in.remaining() / 24)
             return fail(Code::CorruptData, "image '{}' says {} points, {} bytes are left", name, points, in.remaining());
         DPL_RETURN_IF_ERROR(in.skip(size_t(points) * 24));
-        DPL_RETURN_IF_ERROR(addImage(images, cameras, std::move(name), cameraId, {pose[0], pose[1], pose[2], pose[3]},
-                                     {pose[4], pose[5], pose[6]}, path.string()));
+        DPL_RETURN_IF_ERROR(addImage(images, cameras,
+                                     {std::move(name), cameraId, {pose[0], pose[1], pose[2], pose[3]}, {pose[4], pose[5], pose[6]}}, path));
     }
     return images;
 }
@@ -289,7 +348,8 @@ std::vector<ColmapModelFolder> findColmapModels(const fs::path& root) {
     if (models.empty() && isColmapModel(root)) models.push_back({root, 0});
     if (models.size() < 2) return models;
     for (ColmapModelFolder& model : models) {
-        const auto images = readColmapModel(model.folder);
+        std::vector<UnreadColmapImage> unread;
+        const auto images = readColmapModel(model.folder, &unread);
         model.images = images ? images->size() : 0;
     }
     std::stable_sort(models.begin(), models.end(), [](const auto& a, const auto& b) { return a.images > b.images; });
@@ -301,8 +361,9 @@ fs::path findColmapModel(const fs::path& root) {
     return models.empty() ? fs::path() : models.front().folder;
 }
 
-Result<std::vector<ColmapImage>> decodeColmapModel(const ColmapBytes& bytes, const fs::path& folder) {
-    std::vector<ColmapImage> images;
+Result<std::vector<ColmapImage>> decodeColmapModel(const ColmapBytes& bytes, const fs::path& folder,
+                                                   std::vector<UnreadColmapImage>* unread) {
+    Images images;
     if (bytes.binary) {
         const fs::path camerasPath = folder / "cameras.bin", imagesPath = folder / "images.bin";
         auto cameras = readCamerasBinary(camerasPath, bytesOf(bytes.cameras));
@@ -314,20 +375,24 @@ Result<std::vector<ColmapImage>> decodeColmapModel(const ColmapBytes& bytes, con
         DPL_TRY(const Cameras cameras, readCamerasText(folder / "cameras.txt", bytes.cameras));
         DPL_TRY(images, readImagesText(folder / "images.txt", bytes.images, cameras));
     }
-    if (images.empty())
+    if (images.read.empty() && images.unread.empty())
         return fail(Code::CorruptData, "{}: the model has no registered image; run COLMAP's mapper on more pictures", folder.string());
-    std::sort(images.begin(), images.end(), [](const ColmapImage& a, const ColmapImage& b) { return a.name < b.name; });
-    return images;
+    const auto byName = [](const auto& a, const auto& b) { return a.name < b.name; };
+    std::sort(images.read.begin(), images.read.end(), byName);
+    std::sort(images.unread.begin(), images.unread.end(), byName);
+    if (!images.unread.empty() && (!unread || images.read.empty())) return images.unread.front().why;
+    if (unread) *unread = std::move(images.unread);
+    return std::move(images.read);
 }
 
-Result<std::vector<ColmapImage>> readColmapModel(const fs::path& folder) {
+Result<std::vector<ColmapImage>> readColmapModel(const fs::path& folder, std::vector<UnreadColmapImage>* unread) {
     std::error_code ignored;
     ColmapBytes bytes;
     bytes.binary = fs::exists(folder / "images.bin", ignored);
     DPL_TRY(const std::string cameras, readWhole(folder / (bytes.binary ? "cameras.bin" : "cameras.txt")));
     DPL_TRY(const std::string images, readWhole(folder / (bytes.binary ? "images.bin" : "images.txt")));
     bytes.cameras = cameras, bytes.images = images;
-    return decodeColmapModel(bytes, folder);
+    return decodeColmapModel(bytes, folder, unread);
 }
 
 }  // namespace dpl

@@ -18,6 +18,12 @@ struct ColmapImage {
     LensDistortion lens;
 };
 
+/** An image that is registered and cannot be used: its lens is not read, or its camera or its pose is none. */
+struct UnreadColmapImage {
+    std::string name;
+    Error why;
+};
+
 struct ColmapModelFolder {
     std::filesystem::path folder;
     size_t images = 0;  // registered; 0 where it is the only model, which is not counted, or is damaged
@@ -34,10 +40,10 @@ std::filesystem::path findColmapModel(const std::filesystem::path& root);
 bool isColmapModel(const std::filesystem::path& folder);
 
 /** Reads images.bin and cameras.bin, or images.txt and cameras.txt if there is no images.bin. The lines of 2D points in images.txt may be
- *  missing. Images are sorted by name. Camera models
- *  SIMPLE_PINHOLE, PINHOLE, SIMPLE_RADIAL, RADIAL and OPENCV are read; others are Unsupported. At most 1 GiB per file and 100,000 images.
- *  Errors name file, entry and remedy. */
-Result<std::vector<ColmapImage>> readColmapModel(const std::filesystem::path& folder);
+ *  missing. Images are sorted by name. Camera models SIMPLE_PINHOLE, PINHOLE, SIMPLE_RADIAL, RADIAL and OPENCV are read; others are
+ *  Unsupported where an image uses them. At most 1 GiB per file and 100,000 images. Errors name file, entry and remedy.
+ *  unread: gets the images that cannot be used, unless no image can. Null: one of them is an error. */
+Result<std::vector<ColmapImage>> readColmapModel(const std::filesystem::path& folder, std::vector<UnreadColmapImage>* unread = nullptr);
 
 /** The bytes of a model's two files. */
 struct ColmapBytes {
@@ -47,6 +53,7 @@ struct ColmapBytes {
 
 /** readColmapModel() of files that are in memory. `folder` is only named in errors. Takes at most 64 bytes per byte of both files and
  *  1 MiB. */
-Result<std::vector<ColmapImage>> decodeColmapModel(const ColmapBytes& bytes, const std::filesystem::path& folder);
+Result<std::vector<ColmapImage>> decodeColmapModel(const ColmapBytes& bytes, const std::filesystem::path& folder,
+                                                   std::vector<UnreadColmapImage>* unread = nullptr);
 
 }  // namespace dpl

@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
+#include <cctype>
 #include <map>
 #include <set>
 #include <span>
 
 #include "reconstruction/base/image_file.h"
 #include "reconstruction/input/capture/scan_readers.h"
+#include "sdk/core/jobs.h"
+#include "sdk/core/task.h"
 
 namespace dpl {
 
@@ -59,6 +62,40 @@ std::string LeftOut::sentence(size_t all, const char* what) const {
 
 Status LeftOut::check(size_t kept) const {
     if (kept == 0 && first_) return *first_;
+    return {};
+}
+
+std::string convertedName(const fs::path& root, const std::string& relative) {
+    std::string extension = fs::path(relative).extension().string();
+    for (char& c : extension) c = char(std::tolower(static_cast<unsigned char>(c)));
+    std::error_code ignored;
+    const bool heic = extension == ".heic" || extension == ".heif";
+    return heic && fs::exists(root / (relative + ".jpg"), ignored) ? relative + ".jpg" : relative;
+}
+
+Status leaveOutDamaged(Scan& scan, const fs::path& pictures, LeftOut& left) {
+    const auto checkFrame = [](const ScanFrame& frame) {
+        Status sound = checkPicturePixels(frame.imagePath);
+        if (sound && !frame.maskPath.empty()) sound = checkPicturePixels(frame.maskPath);
+        return sound;
+    };
+    std::vector<Status> sound(scan.frames.size());
+    Jobs jobs;
+    for (size_t begin = 0; begin < sound.size(); begin += jobs.threadCount()) {
+        DPL_RETURN_IF_ERROR(taskAt(double(begin) / double(sound.size())));
+        jobs.forBlocks(std::min<size_t>(jobs.threadCount(), sound.size() - begin),
+                       [&](size_t block, uint32_t) { sound[begin + block] = checkFrame(scan.frames[begin + block]); });
+    }
+    std::vector<ScanFrame> kept;
+    for (size_t i = 0; i < sound.size(); ++i) {
+        if (sound[i])
+            kept.push_back(std::move(scan.frames[i]));
+        else if (sound[i].error().code == Code::CorruptData)
+            left.add(scan.frames[i].imagePath.lexically_relative(pictures), sound[i].error());
+        else
+            return sound[i];
+    }
+    scan.frames = std::move(kept);
     return {};
 }
 

@@ -59,7 +59,8 @@ std::optional<ColmapProject> denseProject(const fs::path& folder) {
     if (found.empty()) return std::nullopt;
     if (found.size() > 1)
         for (ColmapModelFolder& model : found) {
-            const auto images = readColmapModel(model.folder);
+            std::vector<UnreadColmapImage> unread;
+            const auto images = readColmapModel(model.folder, &unread);
             model.images = images ? images->size() : 0;
         }
     std::stable_sort(found.begin(), found.end(), [](const auto& a, const auto& b) { return a.images > b.images; });
@@ -100,7 +101,8 @@ std::optional<ColmapProject> findColmapProject(const fs::path& folder) {
 
 Result<Scan> readColmapScan(const ColmapProject& project) {
     const fs::path &root = project.root, &model = project.model;
-    DPL_TRY(auto images, readColmapModel(model));
+    std::vector<UnreadColmapImage> unread;
+    DPL_TRY(auto images, readColmapModel(model, &unread));
     Scan scan;
     scan.source = ScanSource::Colmap;
     scan.root = root;
@@ -111,12 +113,13 @@ Result<Scan> readColmapScan(const ColmapProject& project) {
     const fs::path pictures = picturesOf(root);
     size_t scaled = 0;
     LeftOut left;
+    for (const UnreadColmapImage& image : unread) left.add(withSlashes(image.name), image.why);
     for (auto& image : images) {
         ScanFrame frame;
         frame.name = nameFromPath(image.name);
         const std::string relative = withSlashes(image.name);
         const std::string where = formatText("{} image '{}'", model.string(), image.name.substr(0, 200));
-        const auto picture = fileInside(pictures, relative, where);
+        const auto picture = fileInside(pictures, convertedName(pictures, relative), where);
         if (!picture && picture.error().code != Code::NotFound) return picture.error();
         const fs::path stem = fs::path(relative).replace_extension();
         for (const std::string& mask : {stem.string() + ".png", relative + ".png"}) {
@@ -137,9 +140,10 @@ Result<Scan> readColmapScan(const ColmapProject& project) {
             frame.kind = FrameKind::Dynamic;
         scan.frames.push_back(std::move(frame));
     }
+    DPL_RETURN_IF_ERROR(leaveOutDamaged(scan, pictures, left));
     DPL_RETURN_IF_ERROR(left.check(scan.frames.size()));
     addAssumption(scan, project.note);
-    addAssumption(scan, left.sentence(images.size()));
+    addAssumption(scan, left.sentence(images.size() + unread.size()));
     noteScaledCameras(scan, scaled);
     numberEqualNames(scan.frames);
     DPL_RETURN_IF_ERROR(finishScan(scan));

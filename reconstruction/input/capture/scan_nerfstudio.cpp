@@ -27,6 +27,7 @@ Result<double> eitherNumber(const JsonFields& frame, const JsonFields& file, con
 
 Result<fs::path> imageOf(const fs::path& root, const std::string& relative, const std::string& where) {
     std::error_code ignored;
+    if (const std::string read = convertedName(root, relative); read != relative) return fileInside(root, read, where);
     if (fs::path(relative).has_extension() && fs::exists(root / relative, ignored)) return fileInside(root, relative, where);
     for (const char* extension : {".jpg", ".jpeg", ".png"})  // Blender's files omit the extension, and a name may have a point
         if (fs::exists(root / (relative + extension), ignored)) return fileInside(root, relative + extension, where);
@@ -181,6 +182,19 @@ Result<ImageHeader> readFiles(const JsonFields& fields, const std::string& relat
     return header;
 }
 
+/** The camera of a frame, for its picture of the size in `header`. Whether it was scaled to fit. */
+Result<bool> readCamera(const JsonFields& fields, const json& entry, const JsonFields& file, const ImageHeader& header, bool zUp,
+                        ScanFrame& frame) {
+    DPL_RETURN_IF_ERROR(checkLensModel(fields));
+    DPL_RETURN_IF_ERROR(readIntrinsics(fields, file, header, frame.camera, frame.lens));
+    DPL_RETURN_IF_ERROR(readPose(entry, fields.where(), frame.camera));
+    if (zUp) turnZUpWorld(frame.camera);
+    const std::string named = formatText("{} ('{}')", fields.where(), frame.name);
+    DPL_RETURN_IF_ERROR(checkCamera(frame.camera, named));
+    DPL_RETURN_IF_ERROR(checkDistortion(frame.lens, frame.camera, named));
+    return fitToPicture(frame.camera, header, frame.imagePath, named);
+}
+
 FrameKind kindFromName(const std::string& name) {
     if (name.starts_with("close")) return FrameKind::StaticCloseup;
     if (name.starts_with("dyn")) return FrameKind::Dynamic;
@@ -214,7 +228,6 @@ Result<Scan> parseNerfstudio(const json& manifest, const fs::path& manifestPath,
         const std::string where = formatText("{} frame {}", file, i);
         if (!entry.is_object()) return fail(Code::CorruptData, "{} is not an object; correct it", where);
         JsonFields fieldsHere(entry, where);
-        DPL_RETURN_IF_ERROR(checkLensModel(fieldsHere));
         ScanFrame frame;
         DPL_TRY(const std::string stated, fieldsHere.text("file_path"));
         const std::string relative = withSlashes(stated);
@@ -233,13 +246,7 @@ Result<Scan> parseNerfstudio(const json& manifest, const fs::path& manifestPath,
             left.add(relative, header.error());
             continue;
         }
-        DPL_RETURN_IF_ERROR(readIntrinsics(fieldsHere, fields, *header, frame.camera, frame.lens));
-        DPL_RETURN_IF_ERROR(readPose(entry, where, frame.camera));
-        if (world.zUp) turnZUpWorld(frame.camera);
-        const std::string named = formatText("{} ('{}')", where, frame.name);
-        DPL_RETURN_IF_ERROR(checkCamera(frame.camera, named));
-        DPL_RETURN_IF_ERROR(checkDistortion(frame.lens, frame.camera, named));
-        const auto fitted = fitToPicture(frame.camera, *header, frame.imagePath, named);
+        const auto fitted = readCamera(fieldsHere, entry, fields, *header, world.zUp, frame);
         if (!fitted) {
             left.add(relative, fitted.error());
             continue;
@@ -247,6 +254,7 @@ Result<Scan> parseNerfstudio(const json& manifest, const fs::path& manifestPath,
         scaled += *fitted;
         scan.frames.push_back(std::move(frame));
     }
+    if (files.decode) DPL_RETURN_IF_ERROR(leaveOutDamaged(scan, scan.root, left));
     DPL_RETURN_IF_ERROR(left.check(scan.frames.size()));
     addAssumption(scan, left.sentence(frames->size()));
     noteScaledCameras(scan, scaled);

@@ -28,10 +28,13 @@ Result<Scan> readNerfstudio(const std::filesystem::path& manifest, char up = 'y'
 struct NerfstudioFiles {
     std::function<Result<std::filesystem::path>(const std::string&relative, const std::string&where)> picture, mask;
     std::function<Result<ImageHeader>(const std::filesystem::path&)> header;
+    bool decode = true;  // whether pictures are decoded to find damage
 };
 /** Frames and cameras of a manifest, before finishScan(). */
 Result<Scan> parseNerfstudio(const nlohmann::json& manifest, const std::filesystem::path& path, const NerfstudioFiles& files,
                              char up = 'y');
+class LeftOut;
+
 /** Where a COLMAP model and its pictures lie. */
 struct ColmapProject {
     std::filesystem::path root;   // of masks; images or input lies in it, or it holds the pictures itself
@@ -42,6 +45,13 @@ struct ColmapProject {
  *  is named is taken; else the one with the most images. Nothing when there is no model. */
 std::optional<ColmapProject> findColmapProject(const std::filesystem::path& folder);
 Result<Scan> readColmapScan(const ColmapProject& project);
+
+/** IMG_1.HEIC.jpg if it lies beside the picture IMG_1.HEIC, which is not read; else `relative`. */
+std::string convertedName(const std::filesystem::path& root, const std::string& relative);
+
+/** Leaves out frames of which the pixels of the picture or of the mask are damaged: decodes all of them, on all cores. Names are relative
+ *  to `pictures`. Cancelled: the task of the thread. */
+Status leaveOutDamaged(Scan& scan, const std::filesystem::path& pictures, LeftOut& left);
 
 /** Makes the names of frames unique: the second "a" becomes "a_2". */
 void numberEqualNames(std::vector<ScanFrame>& frames);

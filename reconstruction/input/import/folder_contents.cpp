@@ -5,6 +5,7 @@
 #include <cctype>
 #include <functional>
 
+#include "reconstruction/base/program.h"
 #include "sdk/core/result.h"
 
 namespace dpl {
@@ -127,17 +128,6 @@ std::vector<fs::path> foldersIn(const fs::path& folder) {
     });
 }
 
-std::string shellWord(const fs::path& path) {
-    const std::string text = path.string();
-    const bool plain = !text.empty() && std::all_of(text.begin(), text.end(), [](unsigned char c) {
-        return std::isalnum(c) || c >= 0x80 || std::string_view("/._-+:,@%=").find(char(c)) != std::string_view::npos;
-    });
-    if (plain) return text;
-    std::string word = "'";
-    for (const char c : text) word += c == '\'' ? std::string("'\\''") : std::string(1, c);
-    return word + "'";
-}
-
 std::string howToConvertHeic(const fs::path& folder) {
     return formatText(
         "export them as JPEG (on an iPhone: Settings, Camera, Formats, Most Compatible), or convert them (apt-get install "
@@ -146,13 +136,21 @@ std::string howToConvertHeic(const fs::path& folder) {
         shellWord(folder));
 }
 
+std::string namesOf(const std::vector<fs::path>& files) {
+    constexpr size_t kMostNamed = 8;
+    std::string text;
+    for (size_t i = 0; i < std::min(files.size(), kMostNamed); ++i) text += (i > 0 ? ", " : "") + files[i].filename().string();
+    return files.size() > kMostNamed ? text + ", ..." : text;
+}
+
 std::vector<std::string> leftBesidePhotos(const fs::path& folder) {
     std::vector<std::string> notes;
     if (const auto heic = heicIn(folder); !heic.empty())
-        notes.push_back(formatText("{} HEIC photos are left out, because they are not read; {}", heic.size(), howToConvertHeic(folder)));
+        notes.push_back(formatText("{} HEIC photos are left out, because they are not read ({}); {}", heic.size(), namesOf(heic),
+                                   howToConvertHeic(folder)));
     if (const auto others = otherPicturesIn(folder); !others.empty())
-        notes.push_back(formatText("{} pictures like {} are left out, because only JPEG and PNG are read; convert them to JPEG",
-                                   others.size(), others.front().filename().string()));
+        notes.push_back(formatText("{} pictures are left out, because only JPEG and PNG are read ({}); convert them to JPEG", others.size(),
+                                   namesOf(others)));
     if (const auto videos = videosIn(folder); !videos.empty())
         notes.push_back(
             formatText("the photos are taken, {} videos beside them are left out; for a scan of a video instead: doppel import {} -o scan",

@@ -44,8 +44,8 @@ bool isPicture(const std::filesystem::path& file);
 bool isVideo(const std::filesystem::path& file);
 bool isHeic(const std::filesystem::path& file);
 
-/** A path as a word of a shell command: 'my photos' in quotes, photos/a.jpg as it is. */
-std::string shellWord(const std::filesystem::path& path);
+/** Names of files without folders, at most 8. */
+std::string namesOf(const std::vector<std::filesystem::path>& files);
 
 /** How to make JPEG files of the HEIC photos of a folder: a sentence that ends in a shell command. */
 std::string howToConvertHeic(const std::filesystem::path& folder);

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "reconstruction/base/folder_lock.h"
+#include "reconstruction/base/program.h"
 #include "reconstruction/input/capture/needed_tools.h"
 #include "reconstruction/input/capture/scan_check.h"
 #include "reconstruction/input/import/layout.h"

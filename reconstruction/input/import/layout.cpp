@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <optional>
 
+#include "reconstruction/base/program.h"
 #include "reconstruction/input/capture/scan_readers.h"
 #include "reconstruction/input/import/folder_contents.h"
 #include "reconstruction/input/import/neuman.h"
@@ -63,7 +64,7 @@ std::string howToUnpack(const fs::path& file) {
 /** What lies in a folder of no known layout, for the error. */
 std::string describeFolder(const fs::path& folder) {
     if (const auto heic = heicIn(folder); !heic.empty())
-        return formatText("it holds {} HEIC photos, which are not read; {}", heic.size(), howToConvertHeic(folder));
+        return formatText("it holds {} HEIC photos, which are not read ({}); {}", heic.size(), namesOf(heic), howToConvertHeic(folder));
     const size_t pictures = picturesIn(folder).size();
     if (const auto others = otherPicturesIn(folder); !others.empty())
         return formatText("it holds {} pictures like {}, and only JPEG and PNG are read; convert them to JPEG", others.size(),

@@ -6,6 +6,7 @@
 #include <set>
 
 #include "reconstruction/base/json_fields.h"
+#include "reconstruction/base/program.h"
 #include "reconstruction/input/capture/needed_tools.h"
 #include "reconstruction/input/capture/scan_readers.h"
 #include "reconstruction/input/import/calibration.h"

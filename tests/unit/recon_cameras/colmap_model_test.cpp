@@ -111,6 +111,38 @@ TEST(ColmapModel, everyTruncationOfTheBinaryIsRefused) {
     }
 }
 
+/** Of a lens that is known and not read, the numbers are skipped, in text and in binary; images of it are told apart. */
+TEST(ColmapModel, aLensThatIsNotReadConcernsItsImagesAlone) {
+    Folder folder;
+    Writer w;
+    w.value(uint64_t(3));
+    w.value(uint32_t(5)), w.value(int32_t(6)), w.value(uint64_t(640)), w.value(uint64_t(480));  // FULL_OPENCV
+    for (int k = 0; k < 12; ++k) w.value(0.5 * k);
+    w.value(uint32_t(1)), w.value(int32_t(1)), w.value(uint64_t(640)), w.value(uint64_t(480));
+    for (double v : {500.0, 501.0, 320.0, 240.0}) w.value(v);
+    w.value(uint32_t(2)), w.value(int32_t(11)), w.value(uint64_t(640)), w.value(uint64_t(480));
+    for (int k = 0; k < 16; ++k) w.value(0.5 * k);
+    folder.write("cameras.bin", w.finish());
+    folder.write("cameras.txt", "5 FULL_OPENCV 640 480 1 2 3\n1 PINHOLE 640 480 500 501 320 240\n2 RAD_TAN_THIN_PRISM_FISHEYE 640 480 1\n");
+    folder.write("images.txt", kImagesText);
+    for (const char* kind : {"text", "binary"}) {
+        SCOPED_TRACE(kind);
+        if (kind[0] == 'b') folder.write("images.bin", imagesBinary());
+        std::vector<UnreadColmapImage> unread;
+        auto read = readColmapModel(folder.path, &unread);
+        ASSERT_TRUE(read) << read.error().message;
+        ASSERT_EQ(read->size(), 1u);
+        EXPECT_EQ(read->front().name, "b.jpg");
+        EXPECT_EQ(read->front().camera.fy, 501);
+        ASSERT_EQ(unread.size(), 1u);
+        EXPECT_EQ(unread[0].name, "sub dir/a.jpg");
+        EXPECT_EQ(unread[0].why.code, Code::Unsupported);
+        EXPECT_NE(unread[0].why.message.find("camera 2: camera model RAD_TAN_THIN_PRISM_FISHEYE"), std::string::npos)
+            << unread[0].why.message;
+        EXPECT_FALSE(readColmapModel(folder.path)) << "whoever takes no list wants all images";
+    }
+}
+
 TEST(ColmapModel, lyingCountsDoNotAllocate) {
     Folder folder;
     auto cameras = camerasBinary();

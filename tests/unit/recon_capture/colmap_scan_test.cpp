@@ -150,6 +150,42 @@ TEST(ColmapScan, picturesThatCannotBeReadAreLeftOutByName) {
     EXPECT_TRUE(mentions(none.error().message, {"full_100.jpg is missing"}));
 }
 
+TEST(ColmapScan, picturesWithDamagedPixelsAreLeftOutByName) {
+    TemporaryFolder folder;
+    ScanBuilder(folder.path, 12);
+    writeImages(folder.path / "sparse/0", 0, 12);
+    damagePixels(folder.path / "images/full_104.jpg");
+    damagePixels(folder.path / "masks/full_106.png");
+    const Scan scan = mustRead(folder.path);
+    EXPECT_EQ(scan.frames.size(), 10u);
+    EXPECT_TRUE(mentions(scan.assumed, {"2 of 12 pictures are left out: full_104.jpg, full_106.jpg", "damaged JPEG"}));
+}
+
+/** A lens that is not read counts only for the images that use it. */
+TEST(ColmapScan, imagesOfALensThatIsNotReadAreLeftOutByName) {
+    TemporaryFolder folder;
+    ScanBuilder(folder.path, 12);
+    writeImages(folder.path / "sparse/0", 0, 12);
+    const fs::path cameras = folder.path / "sparse/0/cameras.txt", images = folder.path / "sparse/0/images.txt";
+    for (const char* other :
+         {"2 OPENCV_FISHEYE 96 128 100 100 48 64 0 0 0 0\n", "2 OF_TOMORROW 1 2 3\n", "2 PINHOLE 96 128 0 100 48 64\n"}) {
+        SCOPED_TRACE(other);
+        writeText(cameras, std::string(other) + "1 PINHOLE 96 128 100 100 48 64\n");
+        const Scan unused = mustRead(folder.path);
+        EXPECT_EQ(unused.frames.size(), 12u);
+        EXPECT_EQ(unused.assumed.find("left out"), std::string::npos) << "no image uses it: " << unused.assumed;
+    }
+    writeText(cameras, "1 PINHOLE 96 128 100 100 48 64\n2 OPENCV_FISHEYE 96 128 100 100 48 64 0 0 0 0\n3 PINHOLE 96 128 0 100 48 64\n");
+    std::string text;
+    for (int i = 0; i < 12; ++i)
+        text += formatText("{} 1 0 0 0 {} 0 3 {} full_{}.jpg\n\n", i + 1, i, i == 2 || i == 5 ? 2 : i == 7 ? 3 : i == 8 ? 9 : 1, 100 + i);
+    writeText(images, text);
+    const Scan scan = mustRead(folder.path);
+    EXPECT_EQ(scan.frames.size(), 8u);
+    EXPECT_TRUE(mentions(scan.assumed, {"4 of 12 pictures are left out: full_102.jpg, full_105.jpg, full_107.jpg, full_108.jpg",
+                                        "cameras.txt camera 2", "OPENCV_FISHEYE", "image_undistorter"}));
+}
+
 TEST(ColmapScan, namesOfAnyScriptAndEqualNames) {
     TemporaryFolder folder;
     ScanBuilder(folder.path, 12);

@@ -42,8 +42,16 @@ TEST(HostileScan, emptyImageFile) {
     expectRefused([](ScanBuilder& b) { writeText(b.root / "images/full_101.jpg", ""); }, {"full_101.jpg", "empty"});
 }
 TEST(HostileScan, imageOfAnotherFormat) {
-    expectRefused([](ScanBuilder& b) { writeText(b.root / "images/full_101.jpg", "GIF89a....................."); },
-                  {"full_101.jpg", "JPEG nor PNG", "convert"});
+    const std::tuple<std::string, const char*, const char*> table[] = {{"GIF89a", "GIF is not read", "ffmpeg -i"},
+                                                                       {"BM....", "BMP is not read", "ffmpeg -i"},
+                                                                       {"RIFF....WEBPVP8 ", "WebP is not read", "ffmpeg -i"},
+                                                                       {std::string("MM\0*", 4), "TIFF is not read", "ffmpeg -i"},
+                                                                       {"....ftypavif", "AVIF is not read", "ffmpeg -i"},
+                                                                       {"....ftypmif1", "HEIC is not read", "heif-convert -q 95"},
+                                                                       {"....ftypqt  ", "neither JPEG nor PNG", "convert the image"}};
+    for (const auto& [bytes, what, how] : table)
+        expectRefused([&bytes = bytes](ScanBuilder& b) { writeText(b.root / "images/full_101.jpg", bytes + std::string(40, '.')); },
+                      {"full_101.jpg", what, how});
 }
 TEST(HostileScan, zeroFocalLength) {
     expectRefused([](ScanBuilder& b) { frame(b)["camera"]["fx"] = 0; }, {"full_101", "fx", "focal length"});

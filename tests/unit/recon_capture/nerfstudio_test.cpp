@@ -141,8 +141,16 @@ TEST(Nerfstudio, refusals) {
     expect([](json& m) { m["camera_model"] = "OPENCV_FISHEYE"; }, {"OPENCV_FISHEYE", "undistort"});
     expect([](json& m) { m["k3"] = 0.1; }, {"k3", "undistort"});
     expect([](json& m) { m["k1"] = -3.0; }, {"folds", "undistort"});
-    expect([](json& m) { m["frames"][0]["transform_matrix"] = {{1, 0, 0, 0}}; }, {"frame 0", "transform_matrix"});
-    expect([](json& m) { m["frames"][0]["transform_matrix"][0][0] = 2; }, {"full_100", "not a rotation"});
+    expect(
+        [](json& m) {
+            for (json& f : m["frames"]) f["transform_matrix"] = {{1, 0, 0, 0}};
+        },
+        {"frame 0", "transform_matrix"});
+    expect(
+        [](json& m) {
+            for (json& f : m["frames"]) f["transform_matrix"][0][0] = 2;
+        },
+        {"full_100", "not a rotation"});
     expect([](json& m) { m["frames"][0]["file_path"] = "../secret.jpg"; }, {"not allowed"});
     expect([](json& m) { m["frames"][1]["file_path"] = "images/full_100.jpg"; }, {"full_100", "twice"});
     expect([](json& m) { m["train_filenames"] = {"images/full_100.jpg"}; }, {"full_101", "none of"});
@@ -164,9 +172,12 @@ TEST(Nerfstudio, aLensThatIsNotBrownsIsRefusedWhereverItIsStated) {
             json m = good;
             (ofFrame ? m["frames"][1] : m)[key] = value;
             const auto scan = scanOf(folder, m);
-            ASSERT_FALSE(scan) << key;
-            EXPECT_TRUE(mentions(scan.error().message, {"transforms.json", key, "image_undistorter"}));
-            EXPECT_EQ(scan.error().message.find("frame 1") != std::string::npos, ofFrame) << scan.error().message;
+            ASSERT_EQ(bool(scan), ofFrame) << key;
+            const std::string said = ofFrame ? scan->assumed : scan.error().message;
+            EXPECT_TRUE(mentions(said, {"transforms.json", key, "image_undistorter"}));
+            if (!ofFrame) continue;
+            EXPECT_EQ(scan->frames.size(), 1u);
+            EXPECT_TRUE(mentions(said, {"1 of 2 pictures are left out: images/full_101.jpg", "frame 1"}));
         }
     json m = good;
     m["is_fisheye"] = false, m["frames"][0]["camera_model"] = "PINHOLE";
@@ -232,6 +243,65 @@ TEST(Nerfstudio, picturesThatCannotBeReadAreLeftOutByName) {
     scan = scanOf(folder, m);
     ASSERT_FALSE(scan);
     EXPECT_TRUE(mentions(scan.error().message, {"gone.jpg is missing"}));
+}
+
+/** A frame without a usable camera costs that frame; only if none is left its reason is an error (see `refusals`). */
+TEST(Nerfstudio, framesWithoutAUsableCameraAreLeftOutByName) {
+    TemporaryFolder folder;
+    const json good = transforms(folder.path);
+    const std::tuple<const char*, json, const char*> broken[] = {{"transform_matrix", json(nullptr), "transform_matrix"},
+                                                                 {"transform_matrix", {{1, 0, 0, 0}}, "transform_matrix"},
+                                                                 {"fl_x", -5, "fx"},
+                                                                 {"k1", 9e15, "k1"},
+                                                                 {"k3", 0.1, "k3"},
+                                                                 {"fl_x", json(nullptr), "fl_x"}};
+    for (const auto& [key, value, why] : broken) {
+        json m = good;
+        m["frames"][0][key] = value;
+        const auto scan = scanOf(folder, m);
+        ASSERT_TRUE(scan) << key << ": " << scan.error().message;
+        ASSERT_EQ(scan->frames.size(), 1u) << key;
+        EXPECT_EQ(scan->frames[0].name, "full_101");
+        EXPECT_TRUE(mentions(scan->assumed, {"1 of 2 pictures are left out: images/full_100.jpg", "frame 0", why}));
+    }
+}
+
+/** Damage among the compressed pixels, which no header tells. */
+TEST(Nerfstudio, picturesWithDamagedPixelsAreLeftOutByName) {
+    TemporaryFolder folder;
+    const json m = transforms(folder.path);
+    damagePixels(folder.path / "images/full_100.jpg");
+    auto scan = scanOf(folder, m);
+    ASSERT_TRUE(scan) << scan.error().message;
+    ASSERT_EQ(scan->frames.size(), 1u);
+    EXPECT_EQ(scan->frames[0].name, "full_101");
+    EXPECT_TRUE(mentions(scan->assumed, {"1 of 2 pictures are left out: images/full_100.jpg", "damaged JPEG"}));
+    damagePixels(folder.path / "masks/full_101.png");
+    scan = scanOf(folder, m);
+    ASSERT_FALSE(scan) << "none is left";
+    EXPECT_TRUE(mentions(scan.error().message, {"full_100.jpg", "damaged JPEG", "copy or export the picture again"}));
+}
+
+/** A HEIC photo is named with the command for it, and what the command makes is read under the name of the manifest. */
+TEST(Nerfstudio, heicIsNamedUntilItIsConverted) {
+    TemporaryFolder folder;
+    json m = transforms(folder.path);
+    m["frames"][0]["file_path"] = "images/full_100.HEIC";
+    const auto picture = folder.path / "images/full_100.HEIC";
+    writeText(picture, std::string("\0\0\0\x18"
+                                   "ftypheic",
+                                   12) +
+                           std::string(100, '\0'));
+    auto scan = scanOf(folder, m);
+    ASSERT_TRUE(scan) << scan.error().message;
+    EXPECT_EQ(scan->frames.size(), 1u);
+    EXPECT_TRUE(mentions(scan->assumed, {"1 of 2 pictures are left out: images/full_100.HEIC", "HEIC is not read",
+                                         ("heif-convert -q 95 " + picture.string() + " " + picture.string() + ".jpg").c_str()}));
+    std::filesystem::copy_file(folder.path / "images/full_100.jpg", picture.string() + ".jpg");
+    scan = scanOf(folder, m);
+    ASSERT_TRUE(scan) << scan.error().message;
+    EXPECT_EQ(scan->frames.size(), 2u);
+    EXPECT_EQ(scan->assumed.find("HEIC"), std::string::npos) << scan->assumed;
 }
 
 TEST(Nerfstudio, numbersThatNoLensHasAreRefused) {

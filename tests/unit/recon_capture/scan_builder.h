@@ -38,6 +38,17 @@ inline void writeText(const std::filesystem::path& path, const std::string& text
     std::ofstream(path, std::ios::binary) << text;
 }
 
+/** Changes bytes among the compressed pixels of a JPEG or PNG, behind all headers. */
+inline void damagePixels(const std::filesystem::path& path) {
+    std::ifstream in(path, std::ios::binary);
+    std::string bytes{std::istreambuf_iterator<char>(in), {}};
+    in.close();
+    const size_t scan = bytes.find("\xff\xda"), data = bytes.find("IDAT");
+    const size_t begin = data != std::string::npos ? data + 4 : scan + 14;
+    for (size_t i = (begin + bytes.size()) / 2; i + 12 < bytes.size(); ++i) bytes[i] = char(7 * i % 251);
+    writeText(path, bytes);
+}
+
 /** Builds a scan whose subject is an upright textured ellipse in the middle of a grey picture, which passes the ingest check. */
 struct ScanBuilder {
     static constexpr int kWidth = 96, kHeight = 128;

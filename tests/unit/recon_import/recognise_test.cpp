@@ -40,7 +40,7 @@ TEST_F(Recognise, unknownFoldersSayWhatTheyHoldAndWhatHelps) {
     fs::create_directories(root_ / "empty");
     EXPECT_TRUE(mentions(refusal(root_ / "empty"), {"neither pictures nor videos", "captures.md"}));
     writeText(root_ / "heic/IMG_1.HEIC", "x");
-    EXPECT_TRUE(mentions(refusal(root_ / "heic"), {"1 HEIC", "export them as JPEG"}));
+    EXPECT_TRUE(mentions(refusal(root_ / "heic"), {"1 HEIC", "(IMG_1.HEIC)", "export them as JPEG"}));
     writeText(root_ / "it's $HOME/IMG_1.HEIC", "x");
     EXPECT_TRUE(mentions(refusal(root_ / "it's $HOME"), {("for f in '" + root_.string() + "/it'\\''s $HOME'/*.").c_str()}));
     writeText(root_ / "webp/1.webp", "x");
@@ -91,7 +91,7 @@ TEST_F(Recognise, heicBesidePhotosIsNamedUntilItIsConverted) {
     writePhotos(root_ / "photos");
     writeText(root_ / "photos/IMG_7.HEIC", "x");
     writeText(root_ / "photos/IMG_2.HEIC", "x");  // there as IMG_2.jpg
-    EXPECT_TRUE(mentions(imported(root_ / "photos"), {"3 frames", "1 HEIC photos are left out", "heif-convert"}));
+    EXPECT_TRUE(mentions(imported(root_ / "photos"), {"3 frames", "1 HEIC photos are left out", "(IMG_7.HEIC)", "heif-convert"}));
     writeBytes(root_ / "photos/IMG_7.HEIC.jpg", jpegOf(spotPicture(96, 128, kMadePixel)));
     const std::string said = imported(root_ / "photos");
     EXPECT_TRUE(mentions(said, {"4 frames"}));
@@ -104,8 +104,8 @@ TEST_F(Recognise, aVideoAndFoldersBesidePhotosAreNamed) {
     writePhotos(root_ / "photos/faces", 2);
     for (const char* name : {"IMG_1.DNG", "IMG_8.DNG"}) writeText(root_ / "photos" / name, "x");  // the first one is there as IMG_1.jpg
     EXPECT_TRUE(mentions(imported(root_ / "photos"),
-                         {"1 pictures like IMG_8.DNG are left out", "1 videos beside them are left out", "for a scan of a video",
-                          (root_ / "photos/walk.mov").c_str(), "2 pictures in its folder faces are left out"}));
+                         {"1 pictures are left out, because only JPEG and PNG are read (IMG_8.DNG)", "1 videos beside them are left out",
+                          "for a scan of a video", (root_ / "photos/walk.mov").c_str(), "2 pictures in its folder faces are left out"}));
 }
 
 TEST_F(Recognise, theOnlyVideoOfAFolderIsTaken) {
