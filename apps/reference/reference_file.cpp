@@ -5,6 +5,7 @@
 
 #include "apps/reference/flip.h"
 #include "apps/reference/reference_renderer.h"
+#include "sdk/avatar/cloth_bounds.h"
 #include "sdk/format/avatar_file.h"
 #include "sdk/format/splat_file.h"
 
@@ -45,6 +46,7 @@ Result<ReferenceFile> ReferenceFile::read(std::span<const uint8_t> bytes) {
         file.splats_ = std::make_shared<const StaticSplatData>(std::move(general.splats));
     } else {
         DPL_TRY(AvatarData avatar, readAvatar(bytes));
+        boundGarments(avatar.joints, avatar.mesh);  // the file as renderers load it
         file.avatar_ = std::make_shared<const AvatarData>(std::move(avatar));
     }
     return file;

@@ -11,10 +11,10 @@
 #include "reconstruction/run/stage_garments.h"
 #include "reconstruction/run/stage_ingest.h"
 #include "reconstruction/run/stage_register.h"
-#include "reconstruction/subject/garments/stress_poses.h"
 #include "reconstruction/subject/garments/tuck_body.h"
 #include "reconstruction/training/trainer/init.h"
 #include "reconstruction/training/trainer/train_images.h"
+#include "sdk/avatar/stress_poses.h"
 #include "sdk/core/evenly_spaced.h"
 #include "sdk/core/log.h"
 

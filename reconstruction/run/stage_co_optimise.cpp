@@ -11,9 +11,9 @@
 #include "reconstruction/run/stage_ingest.h"
 #include "reconstruction/run/stage_register.h"
 #include "reconstruction/run/trained_file.h"
-#include "reconstruction/subject/garments/stress_poses.h"
 #include "reconstruction/training/correctives/corrective_model.h"
 #include "reconstruction/training/trainer/train_images.h"
+#include "sdk/avatar/stress_poses.h"
 #include "sdk/core/files.h"
 
 namespace dpl {

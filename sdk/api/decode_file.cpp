@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "sdk/avatar/cloth_bounds.h"
 #include "sdk/avatar/humanoid.h"
 #include "sdk/core/log.h"
 #include "sdk/core/task.h"
@@ -29,6 +30,7 @@ Result<Decoded> decodeAvatar(std::span<const uint8_t> bytes) {
     DPL_RETURN_IF_ERROR(checkLoaded(decoded));
     if (std::all_of(decoded.joints.begin(), decoded.joints.end(), [](const JointData& j) { return j.humanoidBone.empty(); }))
         assignHumanoidBones(decoded.joints);
+    boundGarments(decoded.joints, decoded.mesh);
     auto made = std::make_shared<Avatar>();
     made->data = std::make_shared<const AvatarData>(std::move(decoded));
     made->fileSplatCount = coded.splats.count(), made->fileShDegree = coded.splats.shDegree;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "reconstruction/output/package/avatar_bytes.h"
 
+#include "sdk/avatar/cloth_bounds.h"
 #include "sdk/core/files.h"
 #include "sdk/format/avatar_file.h"
 #include "sdk/format/avatar_head.h"
@@ -17,6 +18,7 @@ Result<AvatarData> avatarOf(const std::filesystem::path& path, std::span<const u
         return fail(Code::Unsupported, "{} holds general splats, which have no {}; give an avatar", path.string(), what);
     auto avatar = readAvatar(bytes);
     if (!avatar) return fail(avatar.error().code, "{}: {}", path.string(), avatar.error().message);
+    boundGarments(avatar->joints, avatar->mesh);
     return avatar;
 }
 

@@ -8,8 +8,9 @@
 
 #include "reconstruction/subject/garments/body_follow.h"
 #include "reconstruction/subject/garments/priors.h"
-#include "reconstruction/subject/garments/stress_poses.h"
 #include "reconstruction/subject/shape/closest_surface.h"
+#include "sdk/avatar/cloth_bounds.h"
+#include "sdk/avatar/stress_poses.h"
 #include "sdk/format/skin_weights.h"
 #include "sdk/math/skinning.h"
 
@@ -170,6 +171,8 @@ Result<ClothWeights> clothWeights(const SurfaceMesh& piece, std::span<const Surf
         if (!changed) break;
         DPL_TRY(weights, spreadWeights(piece, rows, lengths));
     }
+    const std::vector<Vec3f> rest = unposed(piece, weights, worldFromRest);
+    boundCloth({rest, piece.triangles, weights.joints, weights.weights}, joints, stress, kMostClothStretch);
     for (const SurfacePoint& point : below) weights.distanceM.push_back(point.distanceM);
     return weights;
 }

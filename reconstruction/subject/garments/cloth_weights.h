@@ -24,7 +24,8 @@ struct ClothWeights {
 };
 
 /** below: of each vertex, wornBodyBelow(). worldFromRest: of every joint, in the pose that `piece` is in. `body` is at rest. Cloth that
- *  sinks into the body in a stress pose (stress_poses.h) follows the body more closely. Errors: Internal when the sparse solve fails. */
+ *  sinks into the body in a stress pose (sdk/avatar/stress_poses.h) follows the body more closely; cloth that tears is evened
+ * (sdk/avatar/cloth_bounds.h). Errors: Internal when the sparse solve fails. */
 Result<ClothWeights> clothWeights(const SurfaceMesh& piece, std::span<const SurfacePoint> below, const MeshData& body,
                                   std::span<const JointData> joints, std::span<const Mat3x4f> worldFromRest, Jobs& jobs);
 

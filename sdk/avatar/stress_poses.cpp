@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "reconstruction/subject/garments/stress_poses.h"
+#include "sdk/avatar/stress_poses.h"
 
 #include <cmath>
 #include <map>
