@@ -10,6 +10,35 @@ namespace {
 
 constexpr double kMinAreaM2 = 1e-10, kMaxAspect = 1e4;
 constexpr double kDarkest = 0.2, kBrightest = 3;
+constexpr double kLeast = 0.5, kLeastGivesWay = 0.25, kMost = 1.7, kMostGivesWay = 0.3;  // singular values of F
+constexpr double kFades = 3, kIsGone = 4, kFadesBelow = 0.25;
+
+/** The singular value that is drawn. */
+double drawnStretch(double s) {
+    if (s > kMost) return kMost + 1 / (1 / (s - kMost) + 1 / kMostGivesWay);
+    if (s < kLeast) return kLeast - 1 / (1 / (kLeast - s) + 1 / kLeastGivesWay);
+    return s;
+}
+
+double smoothstep(double from, double to, double x) {
+    const double t = std::clamp((x - from) / (to - from), 0.0, 1.0);
+    return t * t * (3 - 2 * t);
+}
+
+/** Bounds the singular values of [f0 f1], whose right singular vectors are the eigenvectors of its Gram matrix. Returns the opacity factor
+ *  of the triangle's splats. */
+double boundStretch(glm::dvec3& f0, glm::dvec3& f1) {
+    const double angle = 0.5 * std::atan2(2 * glm::dot(f0, f1), glm::dot(f0, f0) - glm::dot(f1, f1));
+    const glm::dvec2 right[2] = {{std::cos(angle), std::sin(angle)}, {-std::sin(angle), std::cos(angle)}};
+    const glm::dvec3 wide = right[0].x * f0 + right[0].y * f1, narrow = right[1].x * f0 + right[1].y * f1;
+    const double largest = glm::length(wide), smallest = glm::length(narrow);
+    if (largest <= kMost && smallest >= kLeast) return 1;
+    const glm::dvec3 drawnWide = drawnStretch(largest) / largest * wide, drawnNarrow = drawnStretch(smallest) / smallest * narrow;
+    f0 = right[0].x * drawnWide + right[1].x * drawnNarrow, f1 = right[0].y * drawnWide + right[1].y * drawnNarrow;
+    double shown = 1;
+    for (const double s : {largest, smallest}) shown *= smoothstep(kIsGone, kFades, s) * smoothstep(0, kFadesBelow, s);
+    return shown;
+}
 
 /** Rotation part of J = Q·S by Newton's iteration Q ← ½(Q + Q⁻ᵀ); J must have a positive determinant. */
 glm::dmat3 polarRotation(const glm::dmat3& j) {
@@ -147,14 +176,16 @@ ReferenceGaussian referenceGaussian(const ReferenceScene& scene, const Reference
     const glm::dvec3 n = glm::normalize(restCross), t1 = glm::normalize(e1), t2 = glm::cross(n, t1);
     const glm::dmat2 d(glm::dot(e1, t1), glm::dot(e1, t2), glm::dot(e2, t1), glm::dot(e2, t2));  // columns: rest edges in the tangent plane
     const glm::dmat2 inverse = glm::inverse(d);
-    const glm::dvec3 f0 = d1 * inverse[0][0] + d2 * inverse[0][1], f1 = d1 * inverse[1][0] + d2 * inverse[1][1];  // F = [d1 d2]·D⁻¹
+    glm::dvec3 f0 = d1 * inverse[0][0] + d2 * inverse[0][1], f1 = d1 * inverse[1][0] + d2 * inverse[1][1];  // F = [d1 d2]·D⁻¹
+    const glm::dmat3 worldFromRest = polarRotation(glm::dmat3(f0, f1, glm::normalize(posedCross)) * glm::transpose(glm::dmat3(t1, t2, n)));
+    const double shown = scene.stretchIsBounded ? boundStretch(f0, f1) : 1;
     const double c = std::cos(splat.phi), s = std::sin(splat.phi);
     g.axes[0] = splat.scaleM.x * (c * f0 + s * f1);
     g.axes[1] = splat.scaleM.y * (-s * f0 + c * f1);
     g.centre = (1 - splat.uv.x - splat.uv.y) * v0 + splat.uv.x * v1 + splat.uv.y * v2;
     g.normal = glm::normalize(posedCross);
-    g.worldFromRest = polarRotation(glm::dmat3(f0, f1, g.normal) * glm::transpose(glm::dmat3(t1, t2, n)));
-    g.opacity = splat.opacity;
+    g.worldFromRest = worldFromRest;
+    g.opacity = splat.opacity * shown;
     g.singleFace = splat.flags & kSplatSingleFace;
     g.cloth = splat.flags & kSplatCloth;
     g.shDegree = scene.shDegree;

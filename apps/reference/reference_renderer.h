@@ -100,6 +100,7 @@ struct ReferenceScene {
     std::vector<glm::uvec3> triangles;
     std::vector<ReferenceBoundSplat> splats;
     uint32_t shDegree = 0;
+    bool stretchIsBounded = true;  // false: F as skinning has it, as frames from before the bounds drew it
 };
 
 /** G_j = G_parent·[R_j | p_j − R_j p_j]; the root is shifted by pose.rootTranslation. Normalises the rotations. */

@@ -20,7 +20,7 @@ void PosedMesh::surface(const PosedSubject& s, Jobs& jobs) {
         spreadCorrectives(s.correctives, nodes_, s.mesh.restPositions, jobs, moved_, light_);
     }
     skin(s.mesh, moved_, worldFromRest_, jobs, positions_);
-    poseTriangles(s.mesh, s.bind, positions_, jobs, frames_, light_);
+    poseTriangles(s.mesh, s.rest, positions_, jobs, frames_, light_);
 }
 
 }  // namespace dpl

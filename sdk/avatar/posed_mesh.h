@@ -9,12 +9,12 @@
 
 namespace dpl {
 
-/** An avatar to pose, borrowed for the call. bind: the rest triangles that splat sizes refer to; empty: those of the mesh. */
+/** An avatar to pose, borrowed for the call. */
 struct PosedSubject {
     std::span<const JointData> joints;
     const MeshData& mesh;
     const PoseCorrectiveData& correctives;
-    std::span<const RestTriangle<float>> bind;
+    TrianglesAtRest rest;
 };
 
 /** A mesh in a pose. It keeps its buffers, so posing again allocates nothing. One thread at a time. */

@@ -84,25 +84,37 @@ void skin(const MeshData& mesh, std::span<const Vec3f> restPositions, std::span<
     jobs.forRange(positions.size(), kVertexGrain, body);
 }
 
+namespace {
+
+RestTriangle<float> restTriangleOf(const MeshData& mesh, size_t t) {
+    const Triangle& corner = mesh.triangles[t];
+    return restTriangle(mesh.restPositions[corner.x], mesh.restPositions[corner.y], mesh.restPositions[corner.z]);
+}
+
+}  // namespace
+
 std::vector<RestTriangle<float>> restTriangles(const MeshData& mesh) {
     std::vector<RestTriangle<float>> rest(mesh.triangles.size());
-    for (size_t t = 0; t < rest.size(); ++t) {
-        const Triangle& corner = mesh.triangles[t];
-        rest[t] = restTriangle(mesh.restPositions[corner.x], mesh.restPositions[corner.y], mesh.restPositions[corner.z]);
-    }
+    for (size_t t = 0; t < rest.size(); ++t) rest[t] = restTriangleOf(mesh, t);
     return rest;
 }
 
-void poseTriangles(const MeshData& mesh, std::span<const RestTriangle<float>> rest, std::span<const Vec3f> positions, Jobs& jobs,
+void restTriangles(const MeshData& mesh, Jobs& jobs, std::vector<RestTriangle<float>>& rest) {
+    rest.resize(mesh.triangles.size());
+    jobs.forRange(rest.size(), kTriangleGrain, [&](size_t begin, size_t end, uint32_t) {
+        for (size_t t = begin; t < end; ++t) rest[t] = restTriangleOf(mesh, t);
+    });
+}
+
+void poseTriangles(const MeshData& mesh, const TrianglesAtRest& rest, std::span<const Vec3f> positions, Jobs& jobs,
                    std::vector<TriangleFrame<float>>& frames, std::span<const float> light) {
     frames.resize(mesh.triangles.size());
     const auto body = [&](size_t begin, size_t end, uint32_t) {
         for (size_t t = begin; t < end; ++t) {
             const Triangle& corner = mesh.triangles[t];
-            const RestTriangle<float> bound =
-                rest.empty() ? restTriangle(mesh.restPositions[corner.x], mesh.restPositions[corner.y], mesh.restPositions[corner.z])
-                             : rest[t];
-            frames[t] = poseTriangle(bound, positions[corner.x], positions[corner.y], positions[corner.z]);
+            const Vec3f &v0 = positions[corner.x], &v1 = positions[corner.y], &v2 = positions[corner.z];
+            const RestTriangle<float> bind = rest.bind.empty() ? restTriangleOf(mesh, t) : rest.bind[t];
+            frames[t] = rest.now.empty() ? drawnTriangle(bind, v0, v1, v2) : drawnTriangle(bind, rest.now[t], v0, v1, v2);
             if (!light.empty()) frames[t].light = {light[corner.x], light[corner.y], light[corner.z]};
         }
     };

@@ -46,10 +46,17 @@ inline void skin(const MeshData& mesh, std::span<const Mat3x4f> worldFromRest, J
 
 /** Rest frames of all triangles. Those of degenerate triangles are marked invalid and carry no splats. */
 std::vector<RestTriangle<float>> restTriangles(const MeshData& mesh);
+/** The same into a vector that keeps its memory. */
+void restTriangles(const MeshData& mesh, Jobs& jobs, std::vector<RestTriangle<float>>& rest);
 
-/** Posed frames of all triangles. rest: restTriangles(mesh); empty: computed here, which saves the caller 52 bytes per triangle.
- *  light: V brightness factors; empty: 1. */
-void poseTriangles(const MeshData& mesh, std::span<const RestTriangle<float>> rest, std::span<const Vec3f> positions, Jobs& jobs,
+/** Triangles at rest, as splats are bound to them and as their stretch is measured from them. */
+struct TrianglesAtRest {
+    std::span<const RestTriangle<float>> bind;      // splat sizes refer to them; empty: those of the mesh, which costs time in each pose
+    std::span<const RestTriangle<float>> now = {};  // those of the mesh, where training has moved it since; empty: `bind`
+};
+
+/** Frames of all triangles as they are drawn (drawnTriangle). light: V brightness factors; empty: 1. */
+void poseTriangles(const MeshData& mesh, const TrianglesAtRest& rest, std::span<const Vec3f> positions, Jobs& jobs,
                    std::vector<TriangleFrame<float>>& frames, std::span<const float> light = {});
 
 }  // namespace dpl

@@ -42,6 +42,8 @@ template <class T>
 struct TriangleFrame {
     Vec3<T> v0, v1, v2;        // posed corners, world
     Vec3<T> f0, f1;            // columns of F: deformation gradient of the plane, no unit
+    T shown = 1;               // opacity factor of its splats (drawnTriangle)
+    bool bounded = false;      // drawnTriangle has changed F
     Vec3<T> normal;            // unit, world
     Mat3<T> worldFromRest{1};  // polar rotation: turns rest directions into the world
     Vec3<T> light{1};          // brightness at the three corners (docs/reference/correctives.md)
@@ -59,6 +61,46 @@ inline TriangleFrame<T> poseTriangle(const RestTriangle<T>& rest, const Vec3<T>&
     f.f0 = posed.f0, f.f1 = posed.f1, f.normal = posed.normal;
     f.worldFromRest = Mat3<T>(posed.turned1, posed.turned2, posed.normal) * glm::transpose(rest.frame);
     f.valid = true;
+    return f;
+}
+
+/** M = [m00 m01; 0 m11] = D'·D⁻¹ maps the plane of a triangle at rest, `bind`, to that of the same triangle at another rest, `now`. So with
+ *  F and F' measured from them, F = F'·M. */
+template <class T>
+struct RestMap {
+    T m00, m01, m11;
+    RestMap(const RestInverse<T>& bind, const RestInverse<T>& now)
+        : m00(bind.i00 / now.i00), m01((bind.i01 - now.i01 * bind.i11 / now.i11) / now.i00), m11(bind.i11 / now.i11) {}
+};
+
+/** As poseTriangle(), with the stretch bounded and the opacity of an overstretched triangle faded, as pictures show it. Not valid where
+ *  nothing is left of the opacity. Stretch is measured from `now`, the triangle at rest; splat sizes refer to `bind`, which differs from it
+ *  while training moves the mesh. A triangle within the bounds is that of poseTriangle(), to the bit. */
+template <class T>
+inline TriangleFrame<T> drawnTriangle(const RestTriangle<T>& bind, const RestTriangle<T>& now, const Vec3<T>& v0, const Vec3<T>& v1,
+                                      const Vec3<T>& v2) {
+    using F = Formulas<T>;
+    TriangleFrame<T> f = poseTriangle(bind, v0, v1, v2);
+    if (!f.valid) return f;
+    const RestInverse<T>&b = bind.inverse, &r = now.valid ? now.inverse : b;
+    const auto posed = F::posedTriangle(r.i00, r.i01, r.i11, v0, v1, v2);
+    const auto plane = F::boundedPlane(posed.f0, posed.f1, posed.turned1, posed.turned2);
+    if (!plane.bounded) return f;
+    const RestMap<T> m(b, r);
+    f.f0 = m.m00 * plane.f0, f.f1 = m.m01 * plane.f0 + m.m11 * plane.f1;
+    f.shown = plane.shown, f.bounded = true;
+    f.valid = plane.shown > T(0);
+    return f;
+}
+/** The same where splat sizes refer to the triangle at rest. */
+template <class T>
+inline TriangleFrame<T> drawnTriangle(const RestTriangle<T>& rest, const Vec3<T>& v0, const Vec3<T>& v1, const Vec3<T>& v2) {
+    TriangleFrame<T> f = poseTriangle(rest, v0, v1, v2);
+    if (!f.valid) return f;
+    const auto plane = Formulas<T>::boundedPlane(f.f0, f.f1, f.worldFromRest * rest.frame[0], f.worldFromRest * rest.frame[1]);
+    if (!plane.bounded) return f;
+    f.f0 = plane.f0, f.f1 = plane.f1, f.shown = plane.shown, f.bounded = true;
+    f.valid = plane.shown > T(0);
     return f;
 }
 

@@ -62,7 +62,7 @@ struct BlockVisible {
 /** A triangle in one view, as its splats read it: eight quads of four floats, which the kernel loads as such. Metres. */
 struct alignas(32) TriangleView {
     float v0[3], planeDot;  // first corner in view space; n·(eye − v0)
-    float e1[3], valid;     // edges in view space; 1 or 0
+    float e1[3], shown;     // edges in view space; opacity factor of the splats, 0 for a triangle that is not drawn
     float e2[3], light0;    // light0: brightness at the first corner
     float f0[3], light1;    // columns of F in view space; light1: brightness at the second corner minus light0
     float f1[3], light2;    // light2: the same for the third corner

@@ -16,7 +16,7 @@ struct alignas(64) ForwardRecord {
     T depthM, inverseZ;                    // view z, and 1/z
     T axis1Z, axis2Z;                      // view z of the axes, metres
     T conicA, conicB, conicC, inverseDet;  // Σ'⁻¹ = [A B; B C] in 1/px², and 1/det Σ'
-    T compensation, nearFade, gate;        // factors of the opacity; gate is 1 for splats that show both sides
+    T compensation, nearFade, gate;        // factors of the opacity; gate includes that of the triangle (TriangleFrame::shown)
     T cosine;                              // cosθ between the triangle's normal and the direction to the eye
     T directionX, directionY, directionZ;  // unit vector from the eye to the splat, turned into the rest frame
     T inverseDistance;                     // 1/|eye − centre|, 1/m

@@ -35,7 +35,7 @@ struct Shape {
     real3 view, restDirection;  // centre in view space; from the eye to the centre in the rest frame, not normalised
     Jacobian jacobian;
     Spread spread;
-    real opacity, nearFade, gate, cloth, light;
+    real opacity, nearFade, gate, cloth, light;  // gate: as in ForwardRecord
     truth valid;
     // Bound splats only, for ForwardRecord.
     PlaneAxes axes;
@@ -102,9 +102,9 @@ HWY_INLINE void boundShape(const ProjectTask& task, const Lens& lens, const floa
         const auto copy = [&](size_t q) HWY_ATTR { copyQuad(record + 4 * q, &quads[q][4 * lane]); };
         copy(0), copy(1), copy(2), copy(3), copy(4), copy(5), copy(6), copy(7);
     }
-    real valid, light0, light1, light2, pad;
+    real shown, light0, light1, light2, pad;
     const real u = load(fields, kU), v = load(fields, kV);
-    const real3 v0 = loadQuad(quads[0], s.planeDot), e1 = loadQuad(quads[1], valid), e2 = loadQuad(quads[2], light0);
+    const real3 v0 = loadQuad(quads[0], s.planeDot), e1 = loadQuad(quads[1], shown), e2 = loadQuad(quads[2], light0);
     s.view = barycentric(v0, e1, e2, u, v);
     const real3 r0 = loadQuad(quads[5], pad), r1 = loadQuad(quads[6], pad), r2 = loadQuad(quads[7], pad);
     s.restDirection = barycentric(r0, r1, r2, u, v);
@@ -119,11 +119,11 @@ HWY_INLINE void boundShape(const ProjectTask& task, const Lens& lens, const floa
     s.spread = flatSpread(s.b1, s.b2);
     s.nearFade = nearFade(s.view.z);
     s.distanceM = sqrt(dot(s.view, s.view));
-    s.gate = choose(load(fields, kSingleFace) > real(0), singleFaceGate(s.planeDot, s.distanceM), real(1));
+    s.gate = choose(load(fields, kSingleFace) > real(0), singleFaceGate(s.planeDot, s.distanceM), real(1)) * shown;
     s.opacity = load(fields, kOpacity);
     s.cloth = load(fields, kCloth);
     s.light = barycentric(light0, light1, light2, u, v);
-    s.valid = s.view.z > real(kNearM) && valid > real(0);
+    s.valid = s.view.z > real(kNearM) && shown > real(0);
 }
 
 /** 0.5 + Σ basis·sh. direction: unit, rest frame; sh: the first SH field of the group at this lane. */

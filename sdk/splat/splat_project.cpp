@@ -48,7 +48,7 @@ std::span<const TriangleView> viewTriangles(Jobs& jobs, Scratch<TriangleView>& s
             TriangleView r{};
             if (t.valid) {
                 const Mat3f restFromWorld = glm::transpose(t.worldFromRest);
-                r.valid = 1;
+                r.shown = t.shown;
                 r.planeDot = glm::dot(t.normal, eye - t.v0);
                 store(r.v0, camera.toView(t.v0));
                 store(r.e1, turn * (t.v1 - t.v0)), store(r.e2, turn * (t.v2 - t.v0));
@@ -123,7 +123,7 @@ constexpr uint8_t kShowsFree = 1, kShowsGated = 2;  // free splats of a triangle
  *  deviation at rest. */
 uint8_t showsOf(const ProjectView& view, const TriangleView& t, float scaleMaxM) {
     using F = Formulas<float>;
-    if (!(t.valid > 0)) return 0;
+    if (!(t.shown > 0)) return 0;
     constexpr float kLow = float((0 - kUvZero) / kUvSteps), kHigh = float((2047 - kUvZero) / kUvSteps);
     constexpr float kRootLevel = 3.33f;  // √(2 ln 255), for opacity 1
     const F::Lens lens{{view.fx, view.fy}, {view.cx, view.cy}, {view.minX, view.minY}, {view.maxX, view.maxY}};

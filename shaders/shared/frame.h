@@ -111,7 +111,7 @@ struct TriangleFrame {  // one for each triangle, written each frame
     float column0X, column0Y, column0Z;  // first column of F
     uint light01;                        // brightness at corners 0 and 1, half floats
     float column1X, column1Y, column1Z;  // second column of F
-    uint light2;                         // brightness at corner 2, half float in the low half
+    uint light2;                         // half floats: brightness at corner 2; share of the splats' opacity that overstretching takes
 };
 DPL_CONST uint kTriangleFrameFours = 5u;
 DPL_SHARED_SIZE(TriangleFrame, 16 * kTriangleFrameFours)

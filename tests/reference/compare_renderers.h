@@ -23,8 +23,8 @@ struct EngineInput {
 
     explicit EngineInput(const ReferenceScene& scene) : shDegree(scene.shDegree) {
         for (const glm::uvec3& t : scene.triangles) {
-            frames.push_back(poseTriangle(restTriangle(Vec3f(scene.rest[t.x]), Vec3f(scene.rest[t.y]), Vec3f(scene.rest[t.z])),
-                                          Vec3f(scene.posed[t.x]), Vec3f(scene.posed[t.y]), Vec3f(scene.posed[t.z])));
+            frames.push_back(drawnTriangle(restTriangle(Vec3f(scene.rest[t.x]), Vec3f(scene.rest[t.y]), Vec3f(scene.rest[t.z])),
+                                           Vec3f(scene.posed[t.x]), Vec3f(scene.posed[t.y]), Vec3f(scene.posed[t.z])));
             if (!scene.light.empty()) frames.back().light = Vec3f(scene.light[t.x], scene.light[t.y], scene.light[t.z]);
         }
         for (const ReferenceBoundSplat& s : scene.splats) {

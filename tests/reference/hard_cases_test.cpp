@@ -106,17 +106,53 @@ TEST(HardCases, degenerateTrianglesDrawNothing) {
     }
 }
 
-TEST(HardCases, invertedAndStretchedTriangles) {
+TEST(HardCases, invertedAndThinTriangles) {
     const Cameraf camera = lookAt({0.03f, 0.03f, 1}, {0.03f, 0.03f, 0}, 80, 80, 300);
     ReferenceScene inverted = oneTriangle({0, 0, 0}, {0, 0.1, 0}, {0.1, 0, 0});
     inverted.splats = {splat(0.02, 0.01)};
     EXPECT_GT(coverage(check("inverted, double-sided", inverted, camera).alpha), 0.01);
     inverted.splats[0].flags = kSplatSingleFace;
     EXPECT_EQ(coverage(check("inverted, single face", inverted, camera).alpha, 0), 0);
-    ReferenceScene stretched = oneTriangle({0, 0, 0}, {0.5, 0, 0}, {0.25, 1e-4, 0});  // aspect 5e3
-    stretched.splats = {splat(0.02, 0.01)};
-    const Cameraf close = lookAt({0.225f, 3e-5f, 1}, {0.225f, 3e-5f, 0}, 80, 80, 20000);  // its height is 2 px
-    EXPECT_GT(coverage(check("aspect 5e3", stretched, close).alpha, 0.004), 0.001);
+    ReferenceScene thin = oneTriangle({0, 0, 0}, {0.5, 0, 0}, {0.25, 1e-4, 0});  // aspect 5e3, posed as at rest
+    thin.rest = thin.posed;
+    thin.splats = {splat(0.02, 0.01)};
+    EXPECT_GT(coverage(check("aspect 5e3", thin, lookAt({0.225f, 3e-5f, 1}, {0.225f, 3e-5f, 0}, 80, 80, 300)).alpha), 0.001);
+}
+
+TEST(HardCases, overstretchedTrianglesAreBoundedAndFade) {
+    // What a splat of 1 cm covers where its triangle is stretched and squeezed, seen at 3 px a centimetre.
+    const auto covers = [](double along, double across) {
+        ReferenceScene scene = oneTriangle({0, 0, 0}, {0.1 * along, 0, 0}, {0, 0.1 * across, 0});
+        scene.splats = {splat(0.01, 0.01, 0.0)};
+        const glm::vec3 centre(0.03 * along, 0.03 * across, 0);
+        return coverage(check("stretched", scene, lookAt(centre + glm::vec3(0, 0, 1), centre, 160, 160, 300)).alpha, 0.02);
+    };
+    const double rest = covers(1, 1);
+    EXPECT_NEAR(covers(1.6, 1) / rest, 1.6, 0.1) << "within the bounds it follows";
+    EXPECT_NEAR(covers(2.9, 1) / rest, kStretchHigh + kStretchHighRoom * 0.8, 0.1) << "beyond, it nears 2";
+    EXPECT_LT(covers(3.5, 1), covers(2.9, 1)) << "it fades";
+    EXPECT_EQ(covers(4.01, 1), 0);
+    EXPECT_EQ(covers(40, 1), 0);
+    EXPECT_GT(covers(1, 0.3) / rest, 0.38) << "a splat that is squeezed keeps a part of its width";
+    EXPECT_GT(covers(1, 0.1), 0);
+    EXPECT_LT(covers(1, 0.02), 0.1 * rest) << "until it fades";
+    for (const auto& [along, across] : {std::pair(2.5, 0.3), {3.3, 0.2}, {2.0, 2.0}, {0.3, 0.3}, {3.2, 3.2}})
+        EXPECT_GT(covers(along, across), 0);
+}
+
+TEST(HardCases, overstretchedAvatar) {
+    // Two joints that part by half a metre: the triangles between them are stretched up to eight times.
+    AvatarData avatar = randomAvatar(33, 12, 4);
+    for (auto& weights : avatar.mesh.jointWeights) weights = weights.x > 127 ? glm::u8vec4(255, 0, 0, 0) : glm::u8vec4(0, 255, 0, 0);
+    avatar.joints[1].restPosition = {0.6f, 1.1f, 0};
+    Pose pose = Pose::rest(2);
+    pose.localRotations[1] = glm::angleAxis(0.8f, Vec3f(0, 0, 1));
+    const ReferenceScene scene = sceneOf(avatar, pose);
+    size_t bounded = 0, gone = 0;
+    for (const TriangleFrame<float>& frame : EngineInput(scene).frames) bounded += frame.bounded, gone += !frame.valid;
+    EXPECT_GT(bounded, 20u);
+    EXPECT_GT(gone, 0u);
+    EXPECT_GT(coverage(check("torn", scene, lookAt({0.3f, 1, 1.8f}, {0, 1, 0}, 150, 150, 160)).alpha), 0.05);
 }
 
 TEST(HardCases, opposingBlendOfTwoJoints) {

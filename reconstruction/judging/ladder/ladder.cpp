@@ -87,7 +87,7 @@ public:
     }
     /** RGBA with straight alpha. positions: V, world; the light is that of the last pose(). */
     std::vector<uint8_t> draw(std::span<const Vec3f> positions, const Camerad& camera) {
-        poseTriangles(avatar_.mesh, bind_, positions, jobs_, frames_, posed_.light());
+        poseTriangles(avatar_.mesh, {bind_}, positions, jobs_, frames_, posed_.light());
         engine_.project(splats_, frames_, camera.cast<float>(), avatar_.kappaPx2, avatar_.compensated);
         engine_.bin();
         engine_.blendRgba8(rgba_);

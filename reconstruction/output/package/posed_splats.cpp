@@ -50,7 +50,7 @@ Result<StaticSplatData> posedSplats(const AvatarData& avatar, const Pose& pose) 
             out.position.push_back(splatCentre(frame, in.uv[i]));
             out.rotation.push_back(rotation);
             out.scaleM.push_back(scale);
-            out.opacity.push_back(in.opacity[i]);
+            out.opacity.push_back(in.opacity[i] * frame.shown);
             out.sh.insert(out.sh.end(), in.sh.begin() + size_t(i) * shFloats, in.sh.begin() + size_t(i + 1) * shFloats);
             float* sh = out.sh.data() + out.sh.size() - shFloats;
             rotator.rotate(Mat3d(frame.worldFromRest), in.shDegree, sh);

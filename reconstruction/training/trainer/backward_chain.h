@@ -57,9 +57,10 @@ struct TriangleGradient {
     Vec3<T> turn{0};              // wrt an infinitesimal world rotation of the triangle's normal and polar rotation
     Vec3<T> c0{0}, c1{0}, c2{0};  // wrt the corners through splat centres
     Vec3<T> light{0};             // wrt the brightness at the corners
+    T shown = 0;                  // wrt TriangleFrame::shown
 
     TriangleGradient& operator+=(const TriangleGradient& o) {
-        f0 += o.f0, f1 += o.f1, turn += o.turn, c0 += o.c0, c1 += o.c1, c2 += o.c2, light += o.light;
+        f0 += o.f0, f1 += o.f1, turn += o.turn, c0 += o.c0, c1 += o.c1, c2 += o.c2, light += o.light, shown += o.shown;
         return *this;
     }
 };
@@ -94,6 +95,7 @@ inline void backwardSplat(const ViewConstants<T>& view, const TriangleFrame<T>& 
     out.opacity = g.opacity * f.compensation * f.gate * f.nearFade;
     const T gCompensation = floored ? T(0) : g.opacity * splat.opacity * f.gate * f.nearFade;
     const T gFade = g.opacity * splat.opacity * f.compensation * f.gate;
+    triangle.shown += gFade * f.nearFade / frame.shown;
 
     // ---- conic Q -> Σ': dΣ = −Q G Q; compensation = |det B|/√det Σ' adds −½·g·comp·Q to dΣ and ±g·cof(B)/√det to dB ----
     const T qa = f.conicA, qb = f.conicB, qc = f.conicC;
@@ -126,7 +128,8 @@ inline void backwardSplat(const ViewConstants<T>& view, const TriangleFrame<T>& 
     const Vec3<T> dRest(f.directionX, f.directionY, f.directionZ), d = frame.worldFromRest * dRest;  // eye → splat, unit
     Vec3<T> turn(0);
     if (splat.singleFace) {
-        const T gCos = g.opacity * splat.opacity * f.compensation * f.nearFade * smoothstep01Slope(f.cosine / T(kGateEnd)) / T(kGateEnd);
+        const T gCos =
+            g.opacity * splat.opacity * f.compensation * f.nearFade * frame.shown * smoothstep01Slope(f.cosine / T(kGateEnd)) / T(kGateEnd);
         if (gCos != T(0)) {
             gCentre -= gCos * (frame.normal + f.cosine * d) * f.inverseDistance;
             turn -= glm::cross(frame.normal, gCos * d);
@@ -173,32 +176,94 @@ inline void backwardSplat(const ViewConstants<T>& view, const TriangleFrame<T>& 
     triangle.c2 += splat.uv.y * gCentre;
 }
 
-/** Corner gradients of a posed triangle from the sums over its splats. `rest` is the D⁻¹ that the triangle was posed with. The polar
- *  rotation P = worldFromRest·[T1 T2 N] is computed again from F and the normal n.
- *  A change δF turns the triangle's frame by  ω = n·(P2·δF0 − P1·δF1)/tr(PᵀF) + n×δn,  with δn = −Σ_k dual_k (n·δF_k). */
+/** Derivative of Formulas::shownStretch(). */
 template <class T>
-inline void finishTriangle(const TriangleFrame<T>& frame, const RestInverse<T>& rest, const TriangleGradient<T>& g, Vec3<T>& corner0,
-                           Vec3<T>& corner1, Vec3<T>& corner2) {
-    Vec3<T> gF0 = g.f0, gF1 = g.f1;
+inline T shownStretchSlope(T stretch) {
+    constexpr T kPerFade = T(1 / (kStretchGone - kStretchFade)), kPerSqueeze = T(1 / kSqueezeFade);
+    return smoothstep01Slope(stretch * kPerSqueeze) * kPerSqueeze - smoothstep01Slope((T(kStretchGone) - stretch) * kPerFade) * kPerFade;
+}
+
+/** A gradient on the F of a plane, by columns. */
+template <class T>
+struct PlaneGradient {
+    Vec3<T> f0{0}, f1{0};
+};
+
+/** Backward of Formulas::boundedPlane(): from a gradient on the bounded F and on `shown` to that on F = [f0 f1]. p1, p2: columns of its
+ * polar rotation. With F = U diag(σ) Vᵀ, c = boundedStretch and G = [U n]ᵀ·gradient·V, the result is again [U n]·G'·Vᵀ with G'_kk = c'(σ_k)
+ * G_kk,    G'_nk = c_k/σ_k G_nk, G'_12 ± G'_21 = (c1 ∓ c2)/(σ1 ∓ σ2) (G_12 ± G_21). */
+template <class T>
+inline PlaneGradient<T> boundedPlaneBackward(const Vec3<T>& f0, const Vec3<T>& f1, const Vec3<T>& p1, const Vec3<T>& p2,
+                                             const PlaneGradient<T>& g, T gShown) {
+    using F = Formulas<T>;
+    const auto s = F::planeStretch(f0, f1, p1, p2);
+    const Vec3<T> n = glm::cross(p1, p2);
+    // V turns the rest plane by the angle of the larger stretch; U = P·V. Where both are equal any angle will do.
+    T cosine = 1, sine = 0;
+    if (s.gap > T(1e-12)) {
+        const T angle = T(0.5) * std::atan2(s.mixed, s.difference);
+        cosine = std::cos(angle), sine = std::sin(angle);
+    }
+    const Vec3<T> u1 = cosine * p1 + sine * p2, u2 = cosine * p2 - sine * p1;
+    const Vec3<T> g1 = cosine * g.f0 + sine * g.f1, g2 = cosine * g.f1 - sine * g.f0;  // gradient·V
+    const T c1 = F::boundedStretch(s.largest), c2 = F::boundedStretch(s.smallest);
+    const T yield1 = F::stretchYield(s.largest), yield2 = F::stretchYield(s.smallest);
+    // Of nearly equal stretches the quotient cancels. Both then lie on one side of a bound, where it is exactly the product.
+    const T symmetric = s.gap > T(1e-3) * s.largest ? (c1 - c2) / (s.largest - s.smallest) : yield1 * yield2;
+    const T antisymmetric = (c1 + c2) / (s.largest + s.smallest);
+    const T even = T(0.5) * symmetric * (glm::dot(u1, g2) + glm::dot(u2, g1)),
+            odd = T(0.5) * antisymmetric * (glm::dot(u1, g2) - glm::dot(u2, g1));
+    T on1 = yield1 * yield1 * glm::dot(u1, g1), on2 = yield2 * yield2 * glm::dot(u2, g2);
+    if (gShown != T(0)) {
+        on1 += gShown * shownStretchSlope(s.largest) * F::shownStretch(s.smallest);
+        on2 += gShown * shownStretchSlope(s.smallest) * F::shownStretch(s.largest);
+    }
+    const Vec3<T> out1 = on1 * u1 + (even - odd) * u2 + (c1 / s.largest * glm::dot(n, g1)) * n;
+    const Vec3<T> out2 = (even + odd) * u1 + on2 * u2 + (c2 / s.smallest * glm::dot(n, g2)) * n;
+    return {cosine * out1 - sine * out2, sine * out1 + cosine * out2};
+}
+
+/** Fills three corner gradients of a drawn triangle (drawnTriangle of bind and now) from the sums over its splats. D⁻¹ of both rest
+ * triangles are constants. F before the bounds is computed again from the corners, and the polar rotation P = worldFromRest·[T1 T2 N] from
+ * it and n. A change δF turns the triangle's frame by  ω = n·(P2·δF0 − P1·δF1)/tr(PᵀF) + n×δn,  with δn = −Σ_k dual_k (n·δF_k). */
+template <class T>
+inline void finishTriangle(const TriangleFrame<T>& frame, const RestTriangle<T>& bind, const RestTriangle<T>& now,
+                           const TriangleGradient<T>& g, Vec3<T>* corner) {
+    const RestInverse<T>& rest = bind.inverse;
     const Vec3<T>& n = frame.normal;
+    Vec3<T> f0 = frame.f0, f1 = frame.f1, gF0 = g.f0, gF1 = g.f1, gd1(0), gd2(0);
+    if (frame.bounded) {
+        const RestInverse<T>& r = now.valid ? now.inverse : rest;
+        const auto posed = Formulas<T>::posedTriangle(r.i00, r.i01, r.i11, frame.v0, frame.v1, frame.v2);
+        const RestMap<T> m(rest, r);
+        const auto stretch =
+            boundedPlaneBackward<T>(posed.f0, posed.f1, posed.turned1, posed.turned2, {m.m00 * gF0 + m.m01 * gF1, m.m11 * gF1}, g.shown);
+        gd1 = r.i00 * stretch.f0 + r.i01 * stretch.f1, gd2 = r.i11 * stretch.f1;
+        const Vec3<T> d1 = frame.v1 - frame.v0, d2 = frame.v2 - frame.v0;
+        f0 = rest.i00 * d1, f1 = rest.i01 * d1 + rest.i11 * d2;
+        gF0 = gF1 = Vec3<T>(0);
+    }
     // Polar columns: for in-plane F, [P1 P2] ∝ [F0 + F1×n, F1 + n×F0] (F plus its cofactor; the determinant is positive here).
-    Vec3<T> p1 = frame.f0 + glm::cross(frame.f1, n);
+    Vec3<T> p1 = f0 + glm::cross(f1, n);
     const T length = glm::length(p1);
     if (length > T(1e-12)) {
         p1 /= length;
         const Vec3<T> p2 = glm::cross(n, p1);
-        const T trace = glm::dot(p1, frame.f0) + glm::dot(p2, frame.f1);
+        const T trace = glm::dot(p1, f0) + glm::dot(p2, f1);
         const T spin = glm::dot(g.turn, n) / trace;
         gF0 += spin * p2, gF1 -= spin * p1;
     }
-    const T area = glm::dot(n, glm::cross(frame.f0, frame.f1));
-    const Vec3<T> dual0 = glm::cross(frame.f1, n) / area, dual1 = glm::cross(n, frame.f0) / area;
+    const T area = glm::dot(n, glm::cross(f0, f1));
+    const Vec3<T> dual0 = glm::cross(f1, n) / area, dual1 = glm::cross(n, f0) / area;
     const Vec3<T> q = glm::cross(g.turn, n);
     gF0 -= glm::dot(q, dual0) * n, gF1 -= glm::dot(q, dual1) * n;
-    const Vec3<T> gd1 = rest.i00 * gF0 + rest.i01 * gF1, gd2 = rest.i11 * gF1;
-    corner0 = g.c0 - gd1 - gd2;
-    corner1 = g.c1 + gd1;
-    corner2 = g.c2 + gd2;
+    if (frame.bounded)
+        gd1 += rest.i00 * gF0 + rest.i01 * gF1, gd2 += rest.i11 * gF1;
+    else
+        gd1 = rest.i00 * gF0 + rest.i01 * gF1, gd2 = rest.i11 * gF1;
+    corner[0] = g.c0 - gd1 - gd2;
+    corner[1] = g.c1 + gd1;
+    corner[2] = g.c2 + gd2;
 }
 
 }  // namespace dpl

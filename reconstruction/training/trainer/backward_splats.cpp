@@ -48,7 +48,9 @@ void SplatBackward::run(const SplatBackwardInput& in, bool geometry) {
             Vec3f* corner = corners_.data() + t * 3;
             corner[0] = corner[1] = corner[2] = Vec3f(0);
             for (int c = 0; c < 3; ++c) lights_[t * 3 + size_t(c)] = triangle.light[c];
-            if (any) finishTriangle(in.frames[t], in.rest[t].inverse, triangle, corner[0], corner[1], corner[2]);
+            if (!any) continue;
+            const RestTriangle<float>&bind = in.rest.bind[t], &now = in.rest.now.empty() ? bind : in.rest.now[t];
+            finishTriangle(in.frames[t], bind, now, triangle, corner);
         }
     });
 }

@@ -14,7 +14,7 @@ namespace dpl {
 struct SplatBackwardInput {
     const TrainableSplats& splats;
     std::span<const TriangleFrame<float>> frames;
-    std::span<const RestTriangle<float>> rest;
+    TrianglesAtRest rest;
     const Cameraf& camera;
     std::span<const ProjectedSplat> projected;      // one a splat
     std::span<const ForwardRecord<float>> records;  // one a splat

@@ -206,7 +206,7 @@ Status CoOptimiser::State::stepOnce() {
     const Vec3f background(float(hashUniform(settings.seed, kBackgroundStream, at)),
                            float(hashUniform(settings.seed, kBackgroundStream, at + 1)),
                            float(hashUniform(settings.seed, kBackgroundStream, at + 2)));
-    const PassSubject subject{layer.splats, mesh, layer.correctives, input.joints, bind, incidence};
+    const PassSubject subject{layer.splats, mesh, layer.correctives, input.joints, {bind, restNow}, incidence};
     const bool geometry = settings.learnGeometry || settings.learnPoses || learnsCorrectives();
     const LossValues loss = pass.run(subject, learned.frames[frame].pose, *level, weights, background, geometry);
     if (!std::isfinite(loss.total)) return fail(Code::Internal, "training step {} (frame '{}'): the loss is not finite", step, f.name);
@@ -323,7 +323,7 @@ void CoOptimiser::State::pullGarments() {
     pull(pass.posed(), every, collisionGradient);
     const uint32_t turn = learned.step / settings.geometryEvery;
     if (input.stress.empty() || !settings.learnGeometry || turn % 2 == 0) return;
-    stressed.pose({input.joints, mesh, learned.layer.correctives, bind}, input.stress[turn / 2 % input.stress.size()], jobs);
+    stressed.pose({input.joints, mesh, learned.layer.correctives, {bind, restNow}}, input.stress[turn / 2 % input.stress.size()], jobs);
     pull(stressed, 2 * every, stressGradient);
 }
 
@@ -332,6 +332,7 @@ void CoOptimiser::State::applyOffsets() {
     std::vector<Vec3f> offsets(mesh.restPositions.size());
     largeSteps->offsets(learned.layer.u, offsets, bodyVertices());
     for (size_t v = 0; v < offsets.size(); ++v) mesh.restPositions[v] = input.mesh.restPositions[v] + offsets[v];
+    restTriangles(mesh, jobs, restNow);
 }
 
 void CoOptimiser::State::updateCorrectives() {

@@ -32,7 +32,8 @@ struct CoOptimiser::State {
     Learned learned;  // what a checkpoint stores
 
     // Derived from the members above.
-    MeshData mesh;  // input.mesh with the learned offsets ΔVˢ added
+    MeshData mesh;                             // input.mesh with the learned offsets ΔVˢ added
+    std::vector<RestTriangle<float>> restNow;  // of `mesh`; empty while there are no offsets
     LevelFrames levels;
     std::vector<uint32_t> order;
     uint64_t orderEpoch = ~0ull;

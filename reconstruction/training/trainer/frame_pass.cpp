@@ -13,7 +13,7 @@ LossValues FramePass::run(const PassSubject& s, const Pose& pose, const LevelFra
         sum += std::chrono::duration<double, std::milli>(now - last).count();
         last = now;
     };
-    posed_.pose({s.joints, s.mesh, s.correctives, s.bind}, pose, jobs_);
+    posed_.pose({s.joints, s.mesh, s.correctives, s.rest}, pose, jobs_);
     lap(times.pose);
     engine_.project(s.splats.view(), posed_.frames(), level.camera, level.kappaPx2, /*compensated=*/true, /*record=*/true);
     engine_.bin();
@@ -24,7 +24,7 @@ LossValues FramePass::run(const PassSubject& s, const Pose& pose, const LevelFra
     lap(times.loss);
     pixels_.run(engine_, image_, gradient_);
     lap(times.pixels);
-    splatBackward_.run({s.splats, posed_.frames(), s.bind, level.camera, engine_.projected(), engine_.forwardRecords(), pixels_.sums()},
+    splatBackward_.run({s.splats, posed_.frames(), s.rest, level.camera, engine_.projected(), engine_.forwardRecords(), pixels_.sums()},
                        geometry);
     lap(times.splats);
     if (geometry) {

@@ -11,14 +11,13 @@
 
 namespace dpl {
 
-/** The avatar to draw, borrowed. mesh.restPositions plus the correctives' offsets are skinned. Splat sizes refer to the triangles `bind`.
- */
+/** The avatar to draw, borrowed. mesh.restPositions plus the correctives' offsets are skinned. */
 struct PassSubject {
     const TrainableSplats& splats;
     const MeshData& mesh;
     const PoseCorrectiveData& correctives;
     std::span<const JointData> joints;
-    std::span<const RestTriangle<float>> bind;
+    TrianglesAtRest rest;
     const VertexIncidence& incidence;
 };
 

@@ -43,7 +43,7 @@ Result<PoseFitResult> fitPose(const AvatarData& avatar, const TrainFrame& frame,
     splats.activateAll(jobs);
     const std::vector<RestTriangle<float>> bind = restTriangles(avatar.mesh);
     const VertexIncidence incidence(avatar.mesh.triangles, avatar.mesh.restPositions.size());
-    const PassSubject subject{splats, avatar.mesh, avatar.correctives, avatar.joints, bind, incidence};
+    const PassSubject subject{splats, avatar.mesh, avatar.correctives, avatar.joints, {bind}, incidence};
     FramePass pass(jobs);
     const Vec3f grey(0.5f);
     PoseFitResult result;

@@ -24,6 +24,16 @@ DPL_NUMBER kGateEnd = 0.1;            // single-face splats fade in over cosθ i
 DPL_NUMBER kMinTriangleAreaM2 = 1e-10;  // splats of smaller triangles are not drawn
 DPL_NUMBER kMaxTriangleAspect = 1e4;    // longest edge² / (2·area) when posed; splats of thinner triangles are not drawn
 
+// Bounds of the stretch of a triangle, as singular values of F. Within [kStretchLow, kStretchHigh] F is kept. Beyond, it approaches the
+// bound ± its room. Triangles stretched from kStretchFade to kStretchGone fade out, and so do those squeezed from kSqueezeFade to 0.
+DPL_NUMBER kStretchLow = 0.5;
+DPL_NUMBER kStretchLowRoom = 0.25;
+DPL_NUMBER kStretchHigh = 1.7;
+DPL_NUMBER kStretchHighRoom = 0.3;
+DPL_NUMBER kStretchFade = 3.0;
+DPL_NUMBER kStretchGone = 4.0;
+DPL_NUMBER kSqueezeFade = 0.25;
+
 // Level of detail: docs/reference/level-of-detail.md. The group size is kSplatGroup in shaders/shared/limits.h.
 DPL_NUMBER kDetailFade = 0.5;  // with k kept ranks, ranks from k to (1 + kDetailFade)·k fade out
 DPL_NUMBER kDetailGroup = 128.0;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A posed triangle and its polar rotation (docs/reference/binding.md).
+// A posed triangle, its polar rotation, and bounds of its stretch (docs/reference/binding.md). Needs footprint.inl.
 
 /** f0, f1: columns of F. normal: unit, world. Polar rotation: worldFromRest = [turned1 turned2 normal]·restFrameᵀ, where restFrame =
  *  [T1 T2 N] of the triangle at rest. */
@@ -31,4 +31,74 @@ DPL_FN PosedTriangle posedTriangle(real i00, real i01, real i11, real3 v0, real3
     t.turned1 = c * t1 + s * t2;
     t.turned2 = c * t2 - s * t1;
     return t;
+}
+
+/** Singular value of F that is drawn instead of `stretch`. Its slope is 1 at both bounds, so drawn axes change smoothly. */
+DPL_FN real boundedStretch(real stretch) {
+    real over = max(stretch - real(kStretchHigh), real(0)), under = max(real(kStretchLow) - stretch, real(0));
+    real within = clamp(stretch, real(kStretchLow), real(kStretchHigh));
+    return within + over * real(kStretchHighRoom) / (real(kStretchHighRoom) + over) -
+           under * real(kStretchLowRoom) / (real(kStretchLowRoom) + under);
+}
+
+/** Square root of the slope of boundedStretch(): 1 within the bounds. */
+DPL_FN real stretchYield(real stretch) {
+    real over = max(stretch - real(kStretchHigh), real(0)), under = max(real(kStretchLow) - stretch, real(0));
+    return (real(kStretchHighRoom) / (real(kStretchHighRoom) + over)) * (real(kStretchLowRoom) / (real(kStretchLowRoom) + under));
+}
+
+/** Opacity factor of a singular value. A triangle's splats have the product of both, which is smooth where the two are equal. */
+DPL_FN real shownStretch(real stretch) {
+    return smoothstep01((real(kStretchGone) - stretch) * real(1.0 / (kStretchGone - kStretchFade))) *
+           smoothstep01(stretch * real(1.0 / kSqueezeFade));
+}
+
+/** Singular values of F = [F0 F1], and its stretch in the frame [P1 P2] of its polar rotation: the symmetric matrix
+ *  (largest + smallest)/2 + [difference mixed; mixed −difference], where gap = √(difference² + mixed²) = (largest − smallest)/2. */
+struct PlaneStretch {
+    real largest;
+    real smallest;
+    real gap;
+    real difference;
+    real mixed;
+};
+
+DPL_FN PlaneStretch planeStretch(real3 f0, real3 f1, real3 p1, real3 p2) {
+    PlaneStretch s;
+    real s00 = dot(p1, f0), s11 = dot(p2, f1);
+    s.difference = real(0.5) * (s00 - s11);
+    s.mixed = dot(p1, f1);
+    s.gap = sqrt(s.difference * s.difference + s.mixed * s.mixed);
+    s.largest = real(0.5) * (s00 + s11) + s.gap;
+    s.smallest = dot(cross(p1, p2), cross(f0, f1)) / s.largest;  // by the determinant: a difference would cancel
+    return s;
+}
+
+/** choose() by component: Metal has no choice between vectors by one truth value. */
+DPL_FN real3 choose3(truth condition, real3 yes, real3 no) {
+    return real3(choose(condition, yes.x, no.x), choose(condition, yes.y, no.y), choose(condition, yes.z, no.z));
+}
+
+/** F with its singular values within bounds. */
+struct BoundedPlane {
+    real3 f0;
+    real3 f1;
+    real shown;     // opacity factor
+    truth bounded;  // false: f0 and f1 are those given and shown is 1, to the bit
+};
+
+/** p1, p2: columns of the polar rotation of F, P1 and P2 (turned1 and turned2 of a PosedTriangle). */
+DPL_FN BoundedPlane boundedPlane(real3 f0, real3 f1, real3 p1, real3 p2) {
+    PlaneStretch s = planeStretch(f0, f1, p1, p2);
+    BoundedPlane b;
+    b.bounded = s.largest > real(kStretchHigh) || s.smallest < real(kStretchLow);
+    real largest = boundedStretch(s.largest), smallest = boundedStretch(s.smallest);
+    real mean = real(0.5) * (largest + smallest);
+    real share = choose(s.gap > real(1e-12), real(0.5) * (largest - smallest) / s.gap, real(0));
+    real difference = share * s.difference, mixed = share * s.mixed;
+    real3 bounded0 = (mean + difference) * p1 + mixed * p2, bounded1 = mixed * p1 + (mean - difference) * p2;
+    b.f0 = choose3(b.bounded, bounded0, f0);
+    b.f1 = choose3(b.bounded, bounded1, f1);
+    b.shown = choose(b.bounded, shownStretch(s.largest) * shownStretch(s.smallest), real(1));
+    return b;
 }

@@ -93,9 +93,9 @@ void main() {
             TriangleFrame t = dplTriangleFrame(corner0, DPL_FOUR(triangles, parent + 1u), DPL_FOUR(triangles, parent + 2u), DPL_FOUR(triangles, parent + 3u), DPL_FOUR(triangles, parent + 4u));
             vec3 v0 = vec3(t.corner0X, t.corner0Y, t.corner0Z), v1 = vec3(t.corner1X, t.corner1Y, t.corner1Z), v2 = vec3(t.corner2X, t.corner2Y, t.corner2Z);
             vec3 f0 = vec3(t.column0X, t.column0Y, t.column0Z), f1 = vec3(t.column1X, t.column1Y, t.column1Z);
-            vec2 light01 = unpackHalf2x16(t.light01);
-            s.opacity = share.weight * dplOpacity(size);
-            s.light = barycentric(light01.x, light01.y - light01.x, unpackHalf2x16(t.light2).x - light01.x, uv.x, uv.y);
+            vec2 light01 = unpackHalf2x16(t.light01), light2AndHidden = unpackHalf2x16(t.light2);
+            s.opacity = share.weight * dplOpacity(size) * (1.0 - light2AndHidden.y);
+            s.light = barycentric(light01.x, light01.y - light01.x, light2AndHidden.x - light01.x, uv.x, uv.y);
             s.turnXY = t.turnXY;
             s.turnZW = t.turnZW;
             s.centre = barycentric(v0, v1 - v0, v2 - v0, uv.x, uv.y);

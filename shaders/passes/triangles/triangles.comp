@@ -68,18 +68,19 @@ void main() {
             PosedVertex corner0 = vertexAt(rest.corner0), corner1 = vertexAt(rest.corner1), corner2 = vertexAt(rest.corner2);
             vec3 v0 = vec3(corner0.x, corner0.y, corner0.z), v1 = vec3(corner1.x, corner1.y, corner1.z), v2 = vec3(corner2.x, corner2.y, corner2.z);
             PosedTriangle now = posedTriangle(rest.inverse00, rest.inverse01, rest.inverse11, v0, v1, v2);
-            if (now.valid) {
+            BoundedPlane plane = boundedPlane(now.f0, now.f1, now.turned1, now.turned2);
+            if (now.valid && plane.shown > 0.0) {
                 mat3 restFrame = mat3(vec3(rest.restT1X, rest.restT1Y, rest.restT1Z), vec3(rest.restT2X, rest.restT2Y, rest.restT2Z),
                                       vec3(rest.restNormalX, rest.restNormalY, rest.restNormalZ));
                 mat3 worldFromRest = mat3(now.turned1, now.turned2, now.normal) * transpose(restFrame);
                 vec4 turn = quaternionOf(worldFromRest);
                 // the last factor absorbs float rounding
-                float reach = rest.reach * frame.largestGrowth * largestStretch(now.f0, now.f1) * 1.0001;
+                float reach = rest.reach * frame.largestGrowth * largestStretch(plane.f0, plane.f1) * 1.0001;
                 uint shown = 0u;
                 for (uint v = 0u; v < kViews; ++v) shown |= shownIn(frame.views[v], v0, v1, v2, now.normal, reach, rest.rootLevel) << v;
                 f = TriangleFrame(v0.x, v0.y, v0.z, shown, v1.x, v1.y, v1.z, packSnorm2x16(turn.xy), v2.x, v2.y, v2.z, packSnorm2x16(turn.zw),
-                                  now.f0.x, now.f0.y, now.f0.z, packHalf2x16(vec2(corner0.light, corner1.light)),
-                                  now.f1.x, now.f1.y, now.f1.z, packHalf2x16(vec2(corner2.light, 0.0)));
+                                  plane.f0.x, plane.f0.y, plane.f0.z, packHalf2x16(vec2(corner0.light, corner1.light)),
+                                  plane.f1.x, plane.f1.y, plane.f1.z, packHalf2x16(vec2(corner2.light, 1.0 - plane.shown)));
                 uint facing = (shown != 0u ? rest.freeSplats : 0u) + (shown >= kShowsGated ? rest.gatedSplats : 0u);
                 if (shown != 0u && rest.freeSplats + rest.gatedSplats != 0u) {
                     atomicAdd(groupTriangles[0], 1u);

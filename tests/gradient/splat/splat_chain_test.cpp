@@ -17,6 +17,7 @@ struct Case {
     Camerad camera;
     double kappa = 0.3;
     Vec3d rest[3] = {{0, 0, 0}, {0.11, 0.01, 0.02}, {0.03, 0.09, -0.01}};
+    Vec3d now[3] = {{0, 0, 0}, {0.12, 0, 0.02}, {0.02, 0.1, -0.01}};  // the triangle at rest that stretch is measured from
     Vec3d posed[3] = {{-0.04, -0.03, 1.5}, {0.07, -0.05, 1.56}, {0.0, 0.08, 1.47}};
     Vec2d uv{0.25, 0.35};
     double phi = 0.7;
@@ -53,8 +54,15 @@ Case unpack(Case c, const std::vector<double>& x) {
     return c;
 }
 
+RestTriangle<double> bindOf(const Case& c) {
+    return restTriangle(c.rest[0], c.rest[1], c.rest[2]);
+}
+RestTriangle<double> nowOf(const Case& c) {
+    return restTriangle(c.now[0], c.now[1], c.now[2]);
+}
+
 TriangleFrame<double> frameOf(const Case& c) {
-    return poseTriangle(restTriangle(c.rest[0], c.rest[1], c.rest[2]), c.posed[0], c.posed[1], c.posed[2]);
+    return drawnTriangle(bindOf(c), nowOf(c), c.posed[0], c.posed[1], c.posed[2]);
 }
 
 BoundForward<double> forwardOf(const Case& c) {
@@ -86,7 +94,7 @@ std::vector<double> backward(const Case& c) {
     TriangleGradient<double> triangle;
     backwardSplat(ViewConstants<double>(c.camera), frame, p, forwardOf(c).record, s, g, triangle);
     Vec3d corner[3];
-    finishTriangle(frame, restTriangle(c.rest[0], c.rest[1], c.rest[2]).inverse, triangle, corner[0], corner[1], corner[2]);
+    finishTriangle(frame, bindOf(c), nowOf(c), triangle, corner);
     std::vector<double> x{g.uv.x, g.uv.y, g.phi, g.logScale.x, g.logScale.y, g.opacity};
     x.insert(x.end(), g.sh, g.sh + c.sh.size());
     for (const Vec3d& v : corner) x.insert(x.end(), {v.x, v.y, v.z});
@@ -136,7 +144,7 @@ TEST(SplatChain, partiallyOpenGate) {
     const Vec3d normal = glm::normalize(0.05 * toEye + side), t1 = glm::normalize(glm::cross(Vec3d(0, 1, 0), normal)),
                 t2 = glm::cross(normal, t1);
     c.posed[0] = centre - 0.05 * t1 - 0.04 * t2, c.posed[1] = centre + 0.06 * t1 - 0.03 * t2, c.posed[2] = centre + 0.07 * t2;
-    const auto frame = poseTriangle(restTriangle(c.rest[0], c.rest[1], c.rest[2]), c.posed[0], c.posed[1], c.posed[2]);
+    const auto frame = frameOf(c);
     const double gate = singleFaceGate(frame.normal, splatCentre(frame, c.uv), eye);
     ASSERT_GT(gate, 0.2);
     ASSERT_LT(gate, 0.8);
@@ -163,6 +171,46 @@ TEST(SplatChain, needleStaysFinite) {
     Case c;
     c.logScale = {std::log(0.2), std::log(2e-4)};
     check(c, 1e-4, 1e-6);  // the finite difference is the inaccurate side (docs/reference/projection.md)
+}
+
+/** A triangle before the camera whose F has these singular values, with the larger one at an angle in the plane. */
+Case stretchedCase(double largest, double smallest) {
+    Case c;
+    const Mat3d turn = glm::mat3_cast(glm::normalize(Quatd(0.95, 0.1, -0.2, 0.15)));
+    const RestTriangle<double> now = nowOf(c);
+    const Vec3d t1 = now.frame[0], t2 = now.frame[1], along = std::cos(0.4) * t1 + std::sin(0.4) * t2,
+                across = std::cos(0.4) * t2 - std::sin(0.4) * t1;
+    for (int k = 0; k < 3; ++k) {
+        const Vec3d e = c.now[k] - c.now[0];
+        c.posed[k] = Vec3d(-0.04, -0.03, 1.5) + turn * (largest * glm::dot(e, along) * along + smallest * glm::dot(e, across) * across);
+    }
+    return c;
+}
+
+TEST(SplatChain, stretchBelowAtAndBeyondItsBounds) {
+    // within; beyond each bound; beyond both; in the fade of wide and of narrow triangles
+    const std::pair<double, double> beside[] = {{1.6, 0.6}, {1.9, 0.8}, {1.2, 0.4}, {2.4, 0.3}, {3.4, 0.7}, {1.5, 0.15}, {3.6, 0.2}};
+    for (const auto& [largest, smallest] : beside) {
+        SCOPED_TRACE(largest);
+        const Case c = stretchedCase(largest, smallest);
+        const TriangleFrame<double> frame = frameOf(c);
+        EXPECT_EQ(frame.bounded, largest > kStretchHigh || smallest < kStretchLow);
+        EXPECT_EQ(frame.shown<1, largest> kStretchFade || smallest < kSqueezeFade);
+        check(c, 1e-5);  // singular values down to 0.15 raise the third derivative
+    }
+    // At a bound the slope is continuous and the second derivative is not, so the difference is off by half a step times it.
+    for (const auto& [largest, smallest] : {std::pair<double, double>{kStretchHigh, 0.8}, {1.2, kStretchLow}, {kStretchFade, 0.8}}) {
+        SCOPED_TRACE(largest);
+        check(stretchedCase(largest, smallest), 1e-4);
+    }
+}
+
+TEST(SplatChain, equalStretchesHaveAGradient) {
+    for (const double stretch : {0.3, 1.0, 2.2, 3.3}) {
+        SCOPED_TRACE(stretch);
+        check(stretchedCase(stretch, stretch), 1e-5);
+        check(stretchedCase(stretch * (1 + 1e-5), stretch), 1e-4);  // where the quotient of differences would cancel
+    }
 }
 
 TEST(SplatChain, rigidMotionHasNoEffectTogetherWithTheCamera) {

@@ -117,7 +117,7 @@ Analytic backward(const DoubleScene& s, uint32_t threads, const std::array<float
     PixelBackward pixels(jobs);
     pixels.run(engine, image, gradient);
     SplatBackward backward(jobs);
-    backward.run({splats, posed.frames(), bind, camera, engine.projected(), engine.forwardRecords(), pixels.sums()}, true);
+    backward.run({splats, posed.frames(), {bind}, camera, engine.projected(), engine.forwardRecords(), pixels.sums()}, true);
     std::vector<float> gLight;
     backward.gatherVertices(VertexIncidence(mesh.triangles, s.rest.size()), gPosed, gLight);
     PoseGradient<double> g;

@@ -117,7 +117,7 @@ TEST(Triangles, posedFrameTurnsWithTheBodyAndDegenerateOnesAreInvalid) {
     const std::vector<Vec3f> posed = {{0, 0, 0}, {0, 1, 0}, {-1, 0, 0}};  // a quarter turn about z
     Jobs jobs(1);
     std::vector<TriangleFrame<float>> frames;
-    poseTriangles(mesh, rest, posed, jobs, frames);
+    poseTriangles(mesh, {rest}, posed, jobs, frames);
     EXPECT_TRUE(frames[0].valid);
     EXPECT_FALSE(frames[1].valid);
     EXPECT_LT(glm::length(frames[0].worldFromRest * Vec3f(1, 0, 0) - Vec3f(0, 1, 0)), 1e-6f);

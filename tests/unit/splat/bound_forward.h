@@ -50,7 +50,7 @@ BoundForward<T> projectBoundSplat(const PinholeCamera<T>& camera, const Triangle
     r.conicA = f.conicA, r.conicB = f.conicB, r.conicC = f.conicC, r.inverseDet = f.inverseDet;
     r.compensation = f.compensation, r.nearFade = nearFade(view.z);
     r.inverseDistance = T(1) / glm::length(toEye), r.cosine = glm::dot(frame.normal, toEye) * r.inverseDistance;
-    r.gate = splat.singleFace ? singleFaceGate(frame.normal, centre, camera.eye()) : T(1);
+    r.gate = (splat.singleFace ? singleFaceGate(frame.normal, centre, camera.eye()) : T(1)) * frame.shown;
     const Vec3<T> direction = glm::transpose(frame.worldFromRest) * (-toEye * r.inverseDistance);
     r.directionX = direction.x, r.directionY = direction.y, r.directionZ = direction.z;
     T basis[kMaxShCoefficients];
