@@ -18,6 +18,13 @@ namespace {
 constexpr double kPosesPerSecond = 10;
 constexpr size_t kMostPoses = 200;
 
+nlohmann::ordered_json needlesOf(const ClothFaults& faults) {
+    auto garments = nlohmann::ordered_json::array();
+    for (const GarmentNeedles& g : faults.garments)
+        garments.push_back({{"name", g.name}, {"longest_stretch", g.longestStretch}, {"longest_splat_mm", 1000 * g.longestSplatM}});
+    return garments;
+}
+
 }  // namespace
 
 Result<std::string> clothesInMotion(const std::filesystem::path& path, const std::filesystem::path& clipPath, const std::string& animation,
@@ -49,7 +56,9 @@ Result<std::string> clothesInMotion(const std::filesystem::path& path, const std
                                       {"worst_pose_s", timeOf(faults.worstPose)},
                                       {"edges_stretched_over_2", faults.stretchedEdges},
                                       {"longest_stretch", faults.longestStretch},
-                                      {"skin_in_garment_pixels", faults.skinPixels}}
+                                      {"longest_splat_mm", 1000 * faults.longestSplatM},
+                                      {"skin_in_garment_pixels", faults.skinPixels},
+                                      {"garments", needlesOf(faults)}}
             .dump(1);
     char text[400];
     std::snprintf(text, sizeof text,
@@ -59,7 +68,13 @@ Result<std::string> clothesInMotion(const std::filesystem::path& path, const std
                   "  skin that shows through           %6.2f %% of the garments' pixels",
                   clipPath.filename().c_str(), count, 100 * faults.penetration, timeOf(faults.worstPose), 100 * faults.stretchedEdges,
                   faults.longestStretch, 100 * faults.skinPixels);
-    return std::string(text);
+    std::string shown = text;
+    for (const GarmentNeedles& g : faults.garments) {
+        std::snprintf(text, sizeof text, "\n  %-24s longest edge %5.2f x, longest splat %4.0f mm", g.name.substr(0, 24).c_str(),
+                      g.longestStretch, 1000 * g.longestSplatM);
+        shown += text;
+    }
+    return shown;
 }
 
 }  // namespace dpl

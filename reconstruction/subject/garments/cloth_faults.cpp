@@ -24,8 +24,9 @@ constexpr double kEyeDistanceM = 4, kPixelM = 0.005, kMarginM = 0.1;
 struct Clothed {
     const AvatarData& avatar;
     std::span<const Triangle> body;
-    std::vector<uint32_t> vertices;         // of garments
-    std::vector<Triangle> triangles;        // of garments
+    std::vector<uint32_t> vertices;   // of garments
+    std::vector<Triangle> triangles;  // of garments
+    std::vector<const LayerData*> garments;
     std::vector<RestTriangle<float>> bind;  // of the whole mesh
     bool empty() const { return body.empty() || vertices.empty(); }
 
@@ -33,7 +34,9 @@ struct Clothed {
         for (const LayerData& layer : from.mesh.layers) {
             const std::span<const Triangle> own(from.mesh.triangles.data() + layer.firstTriangle, layer.triangleCount);
             if (&layer == bodyLayer(from.mesh)) body = own;
-            if (layer.role == "garment") triangles.insert(triangles.end(), own.begin(), own.end());
+            if (layer.role != "garment") continue;
+            triangles.insert(triangles.end(), own.begin(), own.end());
+            garments.push_back(&layer);
         }
         if (!empty()) bind = restTriangles(from.mesh);
     }
@@ -83,6 +86,52 @@ Camerad sideView(std::span<const Vec3f> positions, int side) {
     return camera;
 }
 
+/** Counts of a garment's edges in one pose. */
+struct EdgeCount {
+    size_t edges = 0, stretched = 0;
+    double longest = 1;
+};
+
+EdgeCount countEdges(const Clothed& clothed, const LayerData& garment, std::span<const Vec3f> positions) {
+    const auto& rest = clothed.avatar.mesh.restPositions;
+    EdgeCount count;
+    for (uint32_t i = 0; i < garment.triangleCount; ++i) {
+        const Triangle& t = clothed.avatar.mesh.triangles[garment.firstTriangle + i];
+        for (int c = 0; c < 3; ++c) {
+            const uint32_t a = t[c], b = t[(c + 1) % 3];
+            const float length = glm::length(rest[a] - rest[b]);
+            if (length < kShortestEdgeM) continue;
+            const float ratio = glm::length(positions[a] - positions[b]) / length;
+            ++count.edges, count.stretched += ratio > kStretched;
+            count.longest = std::max(count.longest, double(ratio));
+        }
+    }
+    return count;
+}
+
+/** Length from end to end of the longest drawn splat of a garment, metres. */
+double longestSplatM(const Clothed& clothed, const LayerData& garment, std::span<const TriangleFrame<float>> frames) {
+    const SplatData& splats = clothed.avatar.splats;
+    double longest = 0;
+    for (uint32_t t = garment.firstTriangle; t < garment.firstTriangle + garment.triangleCount; ++t) {
+        if (t + 1 >= splats.triangleStart.size() || !frames[t].valid) continue;
+        for (uint32_t i = splats.triangleStart[t]; i < splats.triangleStart[t + 1]; ++i) {
+            const double reach2 = visibleRadius2(double(splats.opacity[i] * frames[t].shown));  // in squares of the standard deviation
+            if (!(reach2 > 0)) continue;
+            Vec3f a1, a2;
+            splatAxes(frames[t], splats.phi[i], splats.scaleM[i].x, splats.scaleM[i].y, a1, a2);
+            const double p = glm::dot(a1, a1), q = glm::dot(a1, a2), r = glm::dot(a2, a2);
+            longest = std::max(longest, 2 * std::sqrt(reach2 * (0.5 * (p + r) + std::hypot(0.5 * (p - r), q))));
+        }
+    }
+    return longest;
+}
+
+void grow(GarmentNeedles& needles, const EdgeCount& edges, double splatM) {
+    needles.longestStretch = std::max(needles.longestStretch, edges.longest);
+    needles.longestSplatM = std::max(needles.longestSplatM, splatM);
+}
+
 struct PixelCount {
     size_t skin = 0, all = 0;
 };
@@ -116,12 +165,27 @@ double garmentPenetration(const AvatarData& avatar, std::span<const Pose> poses,
     return double(count) / double(clothed.vertices.size() * poses.size());
 }
 
+std::vector<GarmentNeedles> clothNeedles(const AvatarData& avatar, std::span<const Pose> poses, Jobs& jobs) {
+    std::vector<GarmentNeedles> needles;
+    const Clothed clothed(avatar);
+    if (clothed.empty() || poses.empty()) return needles;
+    for (const LayerData* garment : clothed.garments) needles.push_back({garment->name});
+    PosedMesh posed;
+    for (const Pose& pose : poses) {
+        clothed.pose(pose, jobs, posed);
+        for (size_t g = 0; g < needles.size(); ++g)
+            grow(needles[g], countEdges(clothed, *clothed.garments[g], posed.positions()),
+                 longestSplatM(clothed, *clothed.garments[g], posed.frames()));
+    }
+    return needles;
+}
+
 Result<ClothFaults> clothFaults(const AvatarData& avatar, std::span<const Pose> poses, Jobs& jobs) {
     ClothFaults faults;
     const Clothed clothed(avatar);
     if (clothed.empty() || poses.empty()) return faults;
-    const auto& rest = avatar.mesh.restPositions;
     const std::vector<uint8_t> covered = coveredTriangles(clothed);
+    for (const LayerData* garment : clothed.garments) faults.garments.push_back({garment->name});
     PosedMesh posed;
     size_t inside = 0, mostInside = 0, edges = 0, stretched = 0;
     PixelCount pixels;
@@ -132,15 +196,11 @@ Result<ClothFaults> clothFaults(const AvatarData& avatar, std::span<const Pose> 
         const size_t count = verticesInside(clothed, posed, jobs);
         inside += count;
         if (count > mostInside) mostInside = count, faults.worstPose = i;
-        for (const Triangle& t : clothed.triangles)
-            for (int c = 0; c < 3; ++c) {
-                const uint32_t a = t[c], b = t[(c + 1) % 3];
-                const float length = glm::length(rest[a] - rest[b]);
-                if (length < kShortestEdgeM) continue;
-                const float ratio = glm::length(positions[a] - positions[b]) / length;
-                ++edges, stretched += ratio > kStretched;
-                faults.longestStretch = std::max(faults.longestStretch, double(ratio));
-            }
+        for (size_t g = 0; g < clothed.garments.size(); ++g) {
+            const EdgeCount count = countEdges(clothed, *clothed.garments[g], positions);
+            edges += count.edges, stretched += count.stretched;
+            grow(faults.garments[g], count, longestSplatM(clothed, *clothed.garments[g], posed.frames()));
+        }
         std::vector<PixelCount> sides(kSides);
         jobs.forRange(kSides, 1, [&](size_t begin, size_t end, uint32_t) {
             for (size_t side = begin; side < end; ++side)
@@ -149,6 +209,10 @@ Result<ClothFaults> clothFaults(const AvatarData& avatar, std::span<const Pose> 
         for (const PixelCount& side : sides) pixels.skin += side.skin, pixels.all += side.all;
     }
     faults.penetration = double(inside) / double(clothed.vertices.size() * poses.size());
+    for (const GarmentNeedles& needles : faults.garments) {
+        faults.longestStretch = std::max(faults.longestStretch, needles.longestStretch);
+        faults.longestSplatM = std::max(faults.longestSplatM, needles.longestSplatM);
+    }
     if (edges > 0) faults.stretchedEdges = double(stretched) / double(edges);
     if (pixels.all > 0) faults.skinPixels = double(pixels.skin) / double(pixels.all);
     return faults;

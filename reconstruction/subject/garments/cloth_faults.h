@@ -5,6 +5,8 @@
 #pragma once
 
 #include <span>
+#include <string>
+#include <vector>
 
 #include "sdk/avatar/rig.h"
 #include "sdk/core/jobs.h"
@@ -18,12 +20,25 @@ namespace dpl {
  *  must have passed the checks of their readers. */
 double garmentPenetration(const AvatarData& avatar, std::span<const Pose> poses, Jobs& jobs);
 
+/** Needles of one garment: what stands out of it where it stretches. */
+struct GarmentNeedles {
+    std::string name;
+    double longestStretch = 1;  // largest ratio of an edge's length to its rest length
+    double longestSplatM = 0;   // length from end to end of the longest splat as it is drawn; it ends where its opacity is 1/255
+};
+
+/** One entry a garment, over all poses. Empty without garments or poses. The avatar and the poses must have passed the checks of their
+ *  readers. */
+std::vector<GarmentNeedles> clothNeedles(const AvatarData& avatar, std::span<const Pose> poses, Jobs& jobs);
+
 struct ClothFaults {
     double penetration = 0;     // garmentPenetration()
     size_t worstPose = 0;       // the pose with the most penetration
     double stretchedEdges = 0;  // share of the garments' edges that are longer than twice their rest length, mean over the poses
-    double longestStretch = 1;  // largest ratio of an edge's length to its rest length
+    double longestStretch = 1;  // of all garments
+    double longestSplatM = 0;   // of all garments
     double skinPixels = 0;      // of the garments' pixels seen from four sides, the share in which the covered body comes through
+    std::vector<GarmentNeedles> garments;
 };
 
 /** Measures every pose. A pixel shows the body through a garment when its nearest surface is a body triangle that the garment covers at

@@ -111,6 +111,34 @@ TEST(ClothFaults, aTornCoatHasStretchedEdges) {
     EXPECT_NEAR(faults.longestStretch, std::hypot(1.3, 0.26) / 0.26, 1e-3);
 }
 
+TEST(ClothFaults, needlesAreMeasuredForEachGarment) {
+    // The coat's upper half stays while the lower one moves 30 cm to the side; a second garment stays whole.
+    AvatarData avatar = closelyDressed();
+    addBox(avatar, "hat", "garment", Vec3f(0, 0.3f, 0), Vec3f(0.1f), 0);
+    for (const uint32_t v : {10u, 11u, 14u, 15u}) avatar.mesh.jointIndices[v] = {0, 0, 0, 0};
+    const auto firstTriangle = avatar.mesh.layers[1].firstTriangle;
+    avatar.splats.triangleStart.assign(avatar.mesh.triangles.size() + 1, 0);
+    for (size_t t = firstTriangle + 1; t < avatar.splats.triangleStart.size(); ++t) avatar.splats.triangleStart[t] = 1;
+    avatar.splats.uv = {{0.3f, 0.3f}}, avatar.splats.phi = {0.5f}, avatar.splats.scaleM = {{0.01f, 0.004f}}, avatar.splats.opacity = {0.5f};
+    const Pose rest = Pose::rest(2);
+    const double visible = 2 * std::sqrt(2 * std::log(0.5 * 255));  // lengths of a splat of opacity 0.5, in standard deviations
+    const ClothFaults still = faultsOf(avatar, rest);
+    ASSERT_EQ(still.garments.size(), 2u);
+    EXPECT_EQ(still.garments[0].name, "top");
+    EXPECT_NEAR(still.garments[0].longestSplatM, visible * 0.01, 1e-6);
+    EXPECT_EQ(still.garments[1].longestSplatM, 0) << "no splats";
+    Pose torn = rest;
+    avatar.joints[1].restPosition = {0, 0.15f, 0};
+    torn.localRotations[1] = glm::angleAxis(2 * std::asin(0.5f), Vec3f(0, 0, 1));  // moves what lies 28 cm below by 28 cm
+    const ClothFaults faults = faultsOf(avatar, torn);
+    EXPECT_GT(faults.garments[0].longestStretch, 1.2);
+    EXPECT_EQ(faults.longestStretch, faults.garments[0].longestStretch);
+    EXPECT_NEAR(faults.garments[1].longestStretch, 1, 1e-5);
+    EXPECT_EQ(faults.longestSplatM, faults.garments[0].longestSplatM);
+    EXPECT_GT(faults.longestSplatM, 1.05 * still.longestSplatM);
+    EXPECT_LT(faults.longestSplatM, visible * 0.01 * (kStretchHigh + kStretchHighRoom)) << "what is drawn is bounded";
+}
+
 TEST(ClothFaults, theWorstPoseIsNamedAndACancelledRunSaysSo) {
     AvatarData avatar = closelyDressed();
     Pose out = Pose::rest(2), in = Pose::rest(2);
