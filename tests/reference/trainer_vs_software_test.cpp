@@ -42,7 +42,7 @@ std::vector<uint8_t> drawWithTrainer(const AvatarData& avatar, const Pose& pose,
     const size_t pixels = size_t(camera.widthPx) * camera.heightPx;
     level.rgb.resize(pixels * 3), level.mask.resize(pixels);
     FramePass pass(jobs);
-    pass.run({splats, avatar.mesh, avatar.correctives, avatar.joints, bind, incidence}, pose, level, {}, Vec3f(0), false);
+    pass.run({splats, avatar.mesh, avatar.correctives, avatar.joints, {bind}, incidence}, pose, level, {}, Vec3f(0), false);
     std::vector<uint8_t> rgba;
     for (size_t i = 0; i < pixels; ++i) {
         for (size_t c = 0; c < 3; ++c) rgba.push_back(uint8_t(std::clamp(pass.image().rgb[i * 3 + c], 0.0f, 1.0f) * 255.0f + 0.5f));
