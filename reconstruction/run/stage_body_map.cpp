@@ -3,6 +3,7 @@
 
 #include "reconstruction/judging/coach/joint_map.h"
 #include "reconstruction/judging/coach/map_pictures.h"
+#include "reconstruction/judging/coach/moves.h"
 #include "reconstruction/judging/coach/shots.h"
 #include "reconstruction/run/stage_body_fit.h"
 #include "reconstruction/run/stage_ingest.h"
@@ -49,15 +50,21 @@ Status StageOf<MappedBody>::make(StageInputs& in, StageContext& context) {
     DPL_TRY(const FittedSurface* surface, in.of<FittedSurface>());
     const MeshData mesh = surface->clothed(body->shaped.mesh);
     std::vector<PosedPicture> stills;
+    std::vector<Pose> moving;
     for (size_t row = 0; row < table->rows(); ++row) {
         const FrameKind kind = table->scan.frames[row].kind;
-        if (kind == FrameKind::Dynamic || !table->trains(row)) continue;
+        if (!table->trains(row)) continue;
+        if (kind == FrameKind::Dynamic) {
+            moving.push_back(surface->poses[row]);
+            continue;
+        }
         stills.push_back({table->lazyPicture(row), metric->cameras[row], surface->poses[row], kind == FrameKind::StaticCloseup});
     }
     const std::vector<JointData>& joints = body->shaped.joints;
     const std::vector<BodyPlace> places = placesOf(joints, mesh);
     DPL_TRY(const std::vector<SeenTriangle> map, mapBody(mesh, joints, stills, in.jobs()));
-    const FilmAgain advice = bestShots(mesh, joints, places, map, stills, in.jobs());
+    FilmAgain advice = bestShots(mesh, joints, places, map, stills, in.jobs());
+    if (auto moves = movesToFilm(joints, moving)) advice.shots.push_back(std::move(*moves));
     const CaptureMapData capture = captureMapOf(mesh, joints.size(), map, advice.viewable);
     DPL_RETURN_IF_ERROR(checkCaptureMap(capture, joints.size()));
     DPL_RETURN_IF_ERROR(writeFileAtomically(context.folder / "capture_map.bin", encodeCaptureMap(capture)));

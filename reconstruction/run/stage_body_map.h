@@ -18,7 +18,7 @@ struct MappedBody {
 
 template <>
 struct StageOf<MappedBody> {
-    static constexpr StageName kName{"body-map", 3};
+    static constexpr StageName kName{"body-map", 4};
     static constexpr const char* kPriors[] = {"input/cameras", "input/capture", "subject/surface"};
     static Status inputs(StageInputs& in);
     static Status make(StageInputs& in, StageContext& context);

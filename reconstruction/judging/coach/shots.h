@@ -26,7 +26,7 @@ struct Shot {
 };
 
 struct FilmAgain {
-    std::vector<Shot> shots;           // at most three, the most helpful first; empty: the scan needs none
+    std::vector<Shot> shots;           // at most three, the most helpful first; callers may add moves.h's; empty: none is needed
     std::vector<PlaceFigures> places;  // of places with area, in the order of BodyPlace
     std::vector<uint8_t> viewable;     // F: 1 where a real or an imagined picture shows the triangle
 };
