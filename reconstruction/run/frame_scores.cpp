@@ -58,10 +58,13 @@ std::string scoreLines(const std::vector<HeldOutFrame>& frames, const char* what
     std::string text;
     for (const FrameKind kind : {FrameKind::StaticFull, FrameKind::StaticCloseup, FrameKind::Dynamic})
         if (auto mean = meanScore(frames, kind, &HeldOutFrame::withPoseFit)) {
-            char line[160];
-            std::snprintf(line, sizeof line, "\n%s %-8s  masked PSNR %.2f dB, alpha IoU %.4f, SSIM %.4f (pose fitted; without: %.2f dB)",
+            char line[320];
+            std::snprintf(line, sizeof line,
+                          "\n%s %-8s  masked PSNR %.2f dB, alpha IoU %.4f, SSIM %.4f (pose fitted; without: %.2f dB)\n"
+                          "  with what is drawn outside: PSNR %.2f dB, SSIM %.4f; uncovered %.2f %%, drawn outside %.2f %% of the mask",
                           what, shortKindName(kind), mean->maskedPsnrDb, mean->alphaIou, mean->maskedSsim,
-                          meanScore(frames, kind, &HeldOutFrame::withoutPoseFit)->maskedPsnrDb);
+                          meanScore(frames, kind, &HeldOutFrame::withoutPoseFit)->maskedPsnrDb, mean->unionPsnrDb, mean->unionSsim,
+                          100 * mean->uncovered, 100 * mean->drawnOutside);
             text += line;
         }
     return text;

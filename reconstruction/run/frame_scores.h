@@ -20,7 +20,8 @@ Result<LabelColours> gatherLabelColours(const FrameTable& table);
 Result<std::vector<HeldOutFrame>> scoreFrames(const LabelColours& labelColours, const FrameSet& set, const AvatarData& avatar,
                                               AvatarView& view, const PosesFile& poses, bool withPictures, Jobs& jobs);
 
-/** One line a kind of frame: scores with and without pose fit. `what`: "held-out", "validation". */
+/** Two lines a kind of frame: scores inside the mask with and without pose fit, and scores over the union. `what`: "held-out",
+ * "validation". */
 std::string scoreLines(const std::vector<HeldOutFrame>& frames, const char* what);
 
 }  // namespace dpl

@@ -13,9 +13,16 @@ namespace {
 
 using nlohmann::ordered_json;
 
+constexpr std::pair<const char*, double FrameScore::*> kScores[] = {
+    {"masked_psnr_db", &FrameScore::maskedPsnrDb}, {"masked_ssim", &FrameScore::maskedSsim}, {"alpha_iou", &FrameScore::alphaIou},
+    {"full_psnr_db", &FrameScore::fullPsnrDb},     {"full_ssim", &FrameScore::fullSsim},     {"coverage", &FrameScore::coverage},
+    {"union_psnr_db", &FrameScore::unionPsnrDb},   {"union_ssim", &FrameScore::unionSsim},   {"uncovered", &FrameScore::uncovered},
+    {"drawn_outside", &FrameScore::drawnOutside}};
+
 ordered_json scoreJson(const FrameScore& s) {
-    return {{"masked_psnr_db", s.maskedPsnrDb}, {"masked_ssim", s.maskedSsim}, {"alpha_iou", s.alphaIou},
-            {"full_psnr_db", s.fullPsnrDb},     {"full_ssim", s.fullSsim},     {"coverage", s.coverage}};
+    ordered_json out;
+    for (const auto& [name, member] : kScores) out[name] = s.*member;
+    return out;
 }
 
 ordered_json figuresJson(const std::vector<ReportFigure>& figures) {
@@ -77,14 +84,12 @@ std::optional<FrameScore> meanScore(const std::vector<HeldOutFrame>& frames, Fra
     size_t count = 0;
     for (const HeldOutFrame& frame : frames) {
         if (frame.kind != kind) continue;
-        const FrameScore& s = frame.*which;
-        sum.maskedPsnrDb += s.maskedPsnrDb, sum.maskedSsim += s.maskedSsim, sum.alphaIou += s.alphaIou;
-        sum.fullPsnrDb += s.fullPsnrDb, sum.fullSsim += s.fullSsim, sum.coverage += s.coverage;
+        for (const auto& [name, member] : kScores) sum.*member += (frame.*which).*member;
         ++count;
     }
     if (count == 0) return std::nullopt;
-    const double n = double(count);
-    return FrameScore{sum.maskedPsnrDb / n, sum.maskedSsim / n, sum.alphaIou / n, sum.fullPsnrDb / n, sum.fullSsim / n, sum.coverage / n};
+    for (const auto& [name, member] : kScores) sum.*member /= double(count);
+    return sum;
 }
 
 std::string reportJson(const ReportData& data) {

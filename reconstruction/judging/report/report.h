@@ -15,7 +15,8 @@
 
 namespace dpl {
 
-/** Scores of one picture against its frame (docs/reference/metrics.md). Masked scores use only pixels inside the frame's mask. */
+/** Scores of one picture against its frame (docs/reference/metrics.md). Masked scores use only pixels inside the frame's mask, those of the
+ *  union also what is drawn outside of it. */
 struct FrameScore {
     double maskedPsnrDb = 0;  // lowest over white, black and grey, with both pictures composited on it
     double maskedSsim = 0;    // mean SSIM inside the mask, lowest over the same three
@@ -23,6 +24,10 @@ struct FrameScore {
     double fullPsnrDb = 0;    // whole frame over white, truth cut out by its mask, as in papers
     double fullSsim = 0;      // as fullPsnrDb
     double coverage = 0;      // share of the frame inside the mask; a small share raises full-frame scores
+    double unionPsnrDb = 0;   // as maskedPsnrDb, over pixels ≥ 128 in the mask or in the picture's alpha: drawing too wide counts
+    double unionSsim = 0;     // as maskedSsim, over the same pixels
+    double uncovered = 0;     // mask pixels whose drawn alpha is < 128, over mask pixels
+    double drawnOutside = 0;  // pixels with drawn alpha ≥ 128 outside the mask, over mask pixels
 };
 
 /** Scores and pictures of one held-out frame. */

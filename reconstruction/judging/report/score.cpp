@@ -30,29 +30,36 @@ FrameScore scorePicture(const std::vector<uint8_t>& rgba, const std::vector<uint
     const int width = int(widthPx), height = int(heightPx);
     const size_t pixels = size_t(widthPx) * heightPx;
     if (pixels == 0 || rgba.size() != pixels * 4 || truthRgba.size() != pixels * 4) return score;
+    const auto isPersonAt = [&](size_t i) { return truthRgba[i * 4 + 3] >= 128; };
+    const auto isDrawnAt = [&](size_t i) { return rgba[i * 4 + 3] >= 128; };
     size_t inside = 0, both = 0, either = 0;
     for (size_t i = 0; i < pixels; ++i) {
-        const bool person = truthRgba[i * 4 + 3] >= 128, drawn = rgba[i * 4 + 3] >= 128;
+        const bool person = isPersonAt(i), drawn = isDrawnAt(i);
         inside += person, both += person && drawn, either += person || drawn;
     }
     if (inside == 0) return score;
     score.alphaIou = double(both) / double(either);
     score.coverage = double(inside) / double(pixels);
-    score.maskedPsnrDb = kEqualPsnrDb;
-    score.maskedSsim = 1;
+    score.uncovered = double(inside - both) / double(inside);
+    score.drawnOutside = double(either - inside) / double(inside);
+    score.maskedPsnrDb = score.unionPsnrDb = kEqualPsnrDb;
+    score.maskedSsim = score.unionSsim = 1;
     for (float background : {1.0f, 0.0f, 0.5f}) {
         const cv::Mat render = composite(rgba, width, height, background), expected = composite(truthRgba, width, height, background);
         const cv::Mat ssim = ssimMap(render, expected);
         const float *a = render.ptr<float>(), *b = expected.ptr<float>(), *s = ssim.ptr<float>();
-        double maskedSquares = 0, maskedSsim = 0, squares = 0, wholeSsim = 0;
+        double maskedSquares = 0, maskedSsim = 0, unionSquares = 0, unionSsim = 0, squares = 0, wholeSsim = 0;
         for (size_t i = 0; i < pixels; ++i) {
             double square = 0;
             for (int c = 0; c < 3; ++c) square += (double(a[i * 3 + c]) - b[i * 3 + c]) * (double(a[i * 3 + c]) - b[i * 3 + c]);
             squares += square, wholeSsim += s[i];
-            if (truthRgba[i * 4 + 3] >= 128) maskedSquares += square, maskedSsim += s[i];
+            if (isPersonAt(i)) maskedSquares += square, maskedSsim += s[i];
+            if (isPersonAt(i) || isDrawnAt(i)) unionSquares += square, unionSsim += s[i];
         }
         score.maskedPsnrDb = std::min(score.maskedPsnrDb, psnrDb(maskedSquares / (3.0 * double(inside))));
         score.maskedSsim = std::min(score.maskedSsim, maskedSsim / double(inside));
+        score.unionPsnrDb = std::min(score.unionPsnrDb, psnrDb(unionSquares / (3.0 * double(either))));
+        score.unionSsim = std::min(score.unionSsim, unionSsim / double(either));
         if (background == 1.0f) score.fullPsnrDb = psnrDb(squares / (3.0 * double(pixels))), score.fullSsim = wholeSsim / double(pixels);
     }
     return score;

@@ -35,6 +35,21 @@ TEST(Report, meansAreTakenPerKind) {
     EXPECT_EQ(json["frames"].size(), 3u);
 }
 
+TEST(Report, statesTheUnionAndTheOutlineForEachKind) {
+    ReportData data = sample();
+    data.frames[0].withPoseFit.unionPsnrDb = 18, data.frames[2].withPoseFit.unionPsnrDb = 19;
+    data.frames[0].withPoseFit.unionSsim = 0.5, data.frames[2].withPoseFit.unionSsim = 0.7;
+    data.frames[1].withPoseFit.uncovered = 0.0456, data.frames[1].withPoseFit.drawnOutside = 0.0123;
+    const auto json = nlohmann::json::parse(reportJson(data));
+    EXPECT_DOUBLE_EQ(json["means"]["static"]["with_pose_fit"]["union_psnr_db"], 18.5);
+    EXPECT_DOUBLE_EQ(json["means"]["static"]["with_pose_fit"]["union_ssim"], 0.6);
+    EXPECT_DOUBLE_EQ(json["means"]["dynamic"]["with_pose_fit"]["uncovered"], 0.0456);
+    EXPECT_DOUBLE_EQ(json["frames"][1]["with_pose_fit"]["drawn_outside"], 0.0123);
+    const std::string html = reportHtml(data);
+    for (const char* cell : {"<td>18.50</td>", "<td>0.6000</td>", "<td>4.56</td>", "<td>1.23</td>"})
+        EXPECT_NE(html.find(cell), std::string::npos) << cell;
+}
+
 TEST(Report, marksBarsAsMetOrMissed) {
     ReportData data = sample();
     for (HeldOutFrame& frame : data.frames) frame.labelFloor.maskedPsnrDb = 17, frame.meshFloor.maskedPsnrDb = 10;

@@ -36,6 +36,10 @@ TEST(ScorePicture, theTruthItselfIsPerfect) {
     EXPECT_NEAR(score.maskedSsim, 1, 1e-5);
     EXPECT_DOUBLE_EQ(score.alphaIou, 1);
     EXPECT_NEAR(score.coverage, 400.0 / 1200, 1e-12);
+    EXPECT_DOUBLE_EQ(score.unionPsnrDb, 100);
+    EXPECT_NEAR(score.unionSsim, 1, 1e-5);
+    EXPECT_EQ(score.uncovered, 0);
+    EXPECT_EQ(score.drawnOutside, 0);
 }
 
 TEST(ScorePicture, aKnownErrorGivesItsPsnr) {
@@ -58,6 +62,35 @@ TEST(ScorePicture, aHoleCountsInFullOnItsWorstBackground) {
         }
     EXPECT_NEAR(score.maskedPsnrDb, -10 * std::log10(std::max(white, black) / 1200), 1e-4);
     EXPECT_EQ(score.alphaIou, 0);
+    EXPECT_EQ(score.uncovered, 1);
+    EXPECT_EQ(score.drawnOutside, 0);
+    EXPECT_EQ(score.unionPsnrDb, score.maskedPsnrDb) << "nothing is drawn outside";
+    EXPECT_EQ(score.unionSsim, score.maskedSsim);
+}
+
+TEST(ScorePicture, drawingTooWideCountsInTheUnionAlone) {
+    // Black paint on 5 columns of 20 pixels left of the person. On white it is as wrong as a pixel can be, and the union has 500 pixels.
+    Scene s;
+    for (uint32_t y = 5; y < 25; ++y)
+        for (uint32_t x = 5; x < 10; ++x) s.rgba[(y * kWidth + x) * 4 + 3] = 255;
+    const FrameScore score = scorePicture(s.rgba, s.truth, s.mask);
+    EXPECT_DOUBLE_EQ(score.maskedPsnrDb, 100);
+    EXPECT_NEAR(score.unionPsnrDb, -10 * std::log10(100.0 / 500), 1e-4);
+    EXPECT_LT(score.unionSsim, score.maskedSsim - 0.1);
+    EXPECT_DOUBLE_EQ(score.drawnOutside, 100.0 / 400);
+    EXPECT_EQ(score.uncovered, 0);
+}
+
+TEST(ScorePicture, drawingTooNarrowIsUncovered) {
+    Scene s;
+    for (uint32_t y = 5; y < 25; ++y) {
+        s.rgba[(y * kWidth + 10) * 4 + 3] = 127;
+        s.rgba[(y * kWidth + 11) * 4 + 3] = 128;
+    }
+    const FrameScore score = scorePicture(s.rgba, s.truth, s.mask);
+    EXPECT_DOUBLE_EQ(score.uncovered, 20.0 / 400);
+    EXPECT_EQ(score.drawnOutside, 0);
+    EXPECT_EQ(score.unionPsnrDb, score.maskedPsnrDb);
 }
 
 TEST(ScorePicture, paintOutsideTheMaskLowersTheIouNotTheMaskedPsnr) {
