@@ -4,8 +4,10 @@
 
 #include <filesystem>
 #include <string>
+#include <vector>
 
 #include "reconstruction/run/progress.h"
+#include "reconstruction/subject/garments/cloth_faults.h"
 #include "sdk/core/result.h"
 
 namespace dpl {
@@ -14,5 +16,9 @@ namespace dpl {
  *  name or number of one in it, empty: the first. Returns text of a few lines, or a JSON object. Errors name the file; Cancelled. */
 Result<std::string> clothesInMotion(const std::filesystem::path& avatar, const std::filesystem::path& clip, const std::string& animation,
                                     bool json, Progress& progress);
+
+/** The faults as text of a few lines, and as a JSON object. timesS: of the poses, at least one. */
+std::string clothesText(const ClothFaults& faults, const std::filesystem::path& clip, const std::vector<double>& timesS);
+std::string clothesJson(const ClothFaults& faults, const std::filesystem::path& clip, const std::vector<double>& timesS);
 
 }  // namespace dpl

@@ -5,6 +5,8 @@
 #include <cmath>
 
 #include "reconstruction/subject/garments/garment_cover.h"
+#include "reconstruction/subject/garments/garment_pictures.h"
+#include "reconstruction/subject/garments/side_view.h"
 #include "reconstruction/subject/shape/closest_surface.h"
 #include "reconstruction/subject/surface/clothed_layers.h"
 #include "reconstruction/subject/surface/mesh_raster.h"
@@ -17,8 +19,6 @@ namespace {
 constexpr float kReachM = 0.1f;
 constexpr float kStretched = 2;
 constexpr float kShortestEdgeM = 1e-4f;
-constexpr int kSides = 4;
-constexpr double kEyeDistanceM = 4, kPixelM = 0.005, kMarginM = 0.1;
 
 /** An avatar as body and garments. */
 struct Clothed {
@@ -69,23 +69,6 @@ std::vector<uint8_t> coveredTriangles(const Clothed& clothed) {
     return covered;
 }
 
-/** Looks level at the middle of a posed mesh from one of kSides sides. */
-Camerad sideView(std::span<const Vec3f> positions, int side) {
-    Vec3f low(1e30f), high(-1e30f);
-    for (const Vec3f& p : positions) low = glm::min(low, p), high = glm::max(high, p);
-    const Vec3d middle = 0.5 * Vec3d(low + high);
-    const double angle = 2 * 3.14159265358979 * side / kSides;
-    const Vec3d back(std::sin(angle), 0, std::cos(angle)), z = -back, y(0, -1, 0), x = glm::cross(y, z);
-    Camerad camera;
-    camera.fx = camera.fy = kEyeDistanceM / kPixelM;
-    const auto pixels = [](double metres) { return uint32_t((std::min(metres, 3.0) + 2 * kMarginM) / kPixelM); };
-    camera.widthPx = pixels(std::hypot(high.x - low.x, high.z - low.z)), camera.heightPx = pixels(high.y - low.y);
-    camera.cx = 0.5 * camera.widthPx, camera.cy = 0.5 * camera.heightPx;
-    camera.viewFromWorldRotation = glm::transpose(Mat3d(x, y, z));
-    camera.viewFromWorldTranslation = -(camera.viewFromWorldRotation * (middle + kEyeDistanceM * back));
-    return camera;
-}
-
 /** Counts of a garment's edges in one pose. */
 struct EdgeCount {
     size_t edges = 0, stretched = 0;
@@ -132,6 +115,50 @@ void grow(GarmentNeedles& needles, const EdgeCount& edges, double splatM) {
     needles.longestSplatM = std::max(needles.longestSplatM, splatM);
 }
 
+/** Sums a fault over the poses. */
+struct PixelTally {
+    PixelFault fault;
+    size_t px = 0, ofPx = 0;
+    void add(size_t pose, size_t counted, size_t of) {
+        if (counted > fault.mostPx) fault.mostPx = counted, fault.worstPose = pose;
+        px += counted, ofPx += of;
+        if (ofPx > 0) fault.share = double(px) / double(ofPx);
+    }
+};
+
+/** What is drawn outside of where a garment may be seen, and what is not drawn inside of where it is. */
+struct DrawnTally {
+    PixelTally outside, uncovered;
+    void add(size_t pose, const GarmentPixels& p) { outside.add(pose, p.outside, p.drawn), uncovered.add(pose, p.uncovered, p.outline); }
+};
+
+/** Draws the poses of garments and sums what is wrong, for each and for all together. */
+class DrawnFaults {
+public:
+    DrawnFaults(const Clothed& clothed, Jobs& jobs)
+        : pictures_(clothed.avatar, clothed.garments, jobs), tallies_(clothed.garments.size()) {}
+    void add(size_t pose, const PosedMesh& posed) {
+        const std::vector<GarmentPixels> counts = pictures_.count(posed);
+        GarmentPixels sum;
+        for (size_t g = 0; g < counts.size(); ++g) {
+            tallies_[g].add(pose, counts[g]);
+            sum.drawn += counts[g].drawn, sum.outside += counts[g].outside;
+            sum.outline += counts[g].outline, sum.uncovered += counts[g].uncovered;
+        }
+        all_.add(pose, sum);
+    }
+    const DrawnTally& all() const { return all_; }
+    void write(std::vector<GarmentNeedles>& garments) const {
+        for (size_t g = 0; g < garments.size(); ++g)
+            garments[g].outside = tallies_[g].outside.fault, garments[g].uncovered = tallies_[g].uncovered.fault;
+    }
+
+private:
+    GarmentPictures pictures_;
+    std::vector<DrawnTally> tallies_;
+    DrawnTally all_;
+};
+
 struct PixelCount {
     size_t skin = 0, all = 0;
 };
@@ -169,14 +196,17 @@ std::vector<GarmentNeedles> clothNeedles(const AvatarData& avatar, std::span<con
     std::vector<GarmentNeedles> needles;
     const Clothed clothed(avatar);
     if (clothed.empty() || poses.empty()) return needles;
-    for (const LayerData* garment : clothed.garments) needles.push_back({garment->name});
+    for (const LayerData* garment : clothed.garments) needles.push_back({.name = garment->name});
+    DrawnFaults drawn(clothed, jobs);
     PosedMesh posed;
-    for (const Pose& pose : poses) {
-        clothed.pose(pose, jobs, posed);
+    for (size_t i = 0; i < poses.size(); ++i) {
+        clothed.pose(poses[i], jobs, posed);
         for (size_t g = 0; g < needles.size(); ++g)
             grow(needles[g], countEdges(clothed, *clothed.garments[g], posed.positions()),
                  longestSplatM(clothed, *clothed.garments[g], posed.frames()));
+        drawn.add(i, posed);
     }
+    drawn.write(needles);
     return needles;
 }
 
@@ -185,7 +215,8 @@ Result<ClothFaults> clothFaults(const AvatarData& avatar, std::span<const Pose> 
     const Clothed clothed(avatar);
     if (clothed.empty() || poses.empty()) return faults;
     const std::vector<uint8_t> covered = coveredTriangles(clothed);
-    for (const LayerData* garment : clothed.garments) faults.garments.push_back({garment->name});
+    for (const LayerData* garment : clothed.garments) faults.garments.push_back({.name = garment->name});
+    DrawnFaults drawn(clothed, jobs);
     PosedMesh posed;
     size_t inside = 0, mostInside = 0, edges = 0, stretched = 0;
     PixelCount pixels;
@@ -207,7 +238,10 @@ Result<ClothFaults> clothFaults(const AvatarData& avatar, std::span<const Pose> 
                 sides[side] = countPixels(clothed, covered, positions, sideView(positions, int(side)));
         });
         for (const PixelCount& side : sides) pixels.skin += side.skin, pixels.all += side.all;
+        drawn.add(i, posed);
     }
+    drawn.write(faults.garments);
+    faults.outside = drawn.all().outside.fault, faults.uncovered = drawn.all().uncovered.fault;
     faults.penetration = double(inside) / double(clothed.vertices.size() * poses.size());
     for (const GarmentNeedles& needles : faults.garments) {
         faults.longestStretch = std::max(faults.longestStretch, needles.longestStretch);

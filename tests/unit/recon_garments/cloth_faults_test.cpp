@@ -119,7 +119,8 @@ TEST(ClothFaults, needlesAreMeasuredForEachGarment) {
     const auto firstTriangle = avatar.mesh.layers[1].firstTriangle;
     avatar.splats.triangleStart.assign(avatar.mesh.triangles.size() + 1, 0);
     for (size_t t = firstTriangle + 1; t < avatar.splats.triangleStart.size(); ++t) avatar.splats.triangleStart[t] = 1;
-    avatar.splats.uv = {{0.3f, 0.3f}}, avatar.splats.phi = {0.5f}, avatar.splats.scaleM = {{0.01f, 0.004f}}, avatar.splats.opacity = {0.5f};
+    avatar.splats.uv = {{0.3f, 0.3f}}, avatar.splats.phi = {0.5f}, avatar.splats.scaleM = {{0.01f, 0.004f}}, avatar.splats.opacity = {0.5f},
+    avatar.splats.flags = {0};
     const Pose rest = Pose::rest(2);
     const double visible = 2 * std::sqrt(2 * std::log(0.5 * 255));  // lengths of a splat of opacity 0.5, in standard deviations
     const ClothFaults still = faultsOf(avatar, rest);
