@@ -4,8 +4,8 @@
 #include <algorithm>
 
 #include "reconstruction/judging/report/detail.h"
+#include "reconstruction/judging/report/fine_truth.h"
 #include "reconstruction/judging/report/score.h"
-#include "reconstruction/run/fine_truth.h"
 #include "sdk/core/task.h"
 
 namespace dpl {
@@ -41,7 +41,7 @@ Status addDetailFigures(const Scan& scan, AvatarView& view, const FrameSet& held
             const TrainFrame& frame = heldOut.frames[i];
             if ((frame.kind == FrameKind::Dynamic) != (kind == FrameKind::Dynamic)) continue;
             DPL_RETURN_IF_ERROR(taskAt(double(i) / double(heldOut.frames.size()), frame.name));
-            const auto truth = fineTruth(scan.root, frame);
+            const auto truth = fineTruth(scan.root, frame.name, frame.camera);
             if (!truth) continue;
             const Camerad camera = frame.camera.scaled(kTimes);
             const auto expected = truth->widthPx == camera.widthPx && truth->heightPx == camera.heightPx

@@ -3,8 +3,8 @@
 
 #include <algorithm>
 
+#include "reconstruction/judging/report/fine_truth.h"
 #include "reconstruction/judging/report/score.h"
-#include "reconstruction/run/fine_truth.h"
 #include "sdk/core/task.h"
 
 namespace dpl {
@@ -30,7 +30,7 @@ Status addScaleFigures(const std::filesystem::path& scan, AvatarView& view, cons
             const TrainFrame& frame = heldOut.frames[i];
             if (!isOfKind(frame)) continue;
             DPL_RETURN_IF_ERROR(taskAt(double(i) / double(heldOut.frames.size()), frame.name));
-            auto truth = fineTruth(scan, frame);
+            auto truth = fineTruth(scan, frame.name, frame.camera);
             if (truth && !fine) {  // once one frame has a finer truth, only such frames are scored
                 fine = true;
                 for (auto& row : sums) std::fill(std::begin(row), std::end(row), Sums{});

@@ -106,7 +106,41 @@ void addGarments(ReportData& data) {
             data.figures.push_back({key + ".distance", heading, row.garment + ", distance", "mm", cell.correctedMm, {}});
             data.figures.push_back({key + ".distance_ratio", heading, row.garment + ", distance over that under plain LBS", "",
                                     cell.correctedMm / cell.plainMm, ReportBar{kGarmentRatio, /*atLeast=*/false}});
+            data.figures.push_back(
+                {key + ".point_distance", heading, row.garment + ", distance of points", "mm", cell.pointCorrectedMm, {}});
+            if (cell.pointPlainMm > 0)
+                data.figures.push_back({key + ".point_distance_ratio",
+                                        heading,
+                                        row.garment + ", distance of points over that under plain LBS",
+                                        "",
+                                        cell.pointCorrectedMm / cell.pointPlainMm,
+                                        {}});
         }
+}
+
+/** Adds what the best smooth light gains at the true surface, by its window. Still frames lack no light, so their gain is overfit. */
+void addLight(ReportData& data) {
+    if (!data.ladder) return;
+    const auto rungOf = [&](const std::string& key) {
+        return std::find_if(data.ladder->rungs.begin(), data.ladder->rungs.end(), [&](const LadderRung& rung) { return rung.key == key; });
+    };
+    const auto plain = rungOf("true_surface");
+    if (plain == data.ladder->rungs.end()) return;
+    constexpr std::pair<const char*, const char*> kWindows[] = {{"", "4"}, {"_fine", "1.2"}, {"_finest", "0.8"}};
+    for (const auto& [part, percent] : kWindows) {
+        const auto lit = rungOf(std::string("true_surface_light") + part);
+        for (size_t g = 0; g < data.ladder->groups.size(); ++g) {
+            const LadderGroup& group = data.ladder->groups[g];
+            if (group.split != Split::Test || lit == data.ladder->rungs.end() || lit->cells[g].frames == 0) continue;
+            data.figures.push_back({formatText("light.{}{}", shortKindName(group.kind), part),
+                                    "best smooth light at the true surface, held-out frames",
+                                    formatText("gain in a window of {} % of the height, {}", percent,
+                                               group.kind == FrameKind::Dynamic ? "dynamic" : "static (control: overfit)"),
+                                    "dB",
+                                    lit->cells[g].maskedPsnrDb - plain->cells[g].maskedPsnrDb,
+                                    {}});
+        }
+    }
 }
 
 FilmAgainSection filmAgainSection(const FrameTable& table, const MappedBody& mapped) {
@@ -238,12 +272,20 @@ Status StageOf<ReportFiles>::make(StageInputs& in, StageContext& context) {
         data.figures.push_back({"needles." + n.name + ".edge", wide, n.name + ", longest edge over its rest length", "", n.longestStretch,
                                 ReportBar{kLongestEdge, /*atLeast=*/false}});
         data.figures.push_back({"needles." + n.name + ".splat", wide, n.name + ", longest splat", "mm", 1000 * n.longestSplatM, {}});
+        const auto addPixels = [&](const std::string& part, const std::string& what, const std::string& of, const PixelFault& fault) {
+            const std::string key = "needles." + n.name + "." + part;
+            data.figures.push_back({key + ".most", wide, n.name + ", " + what + ", worst pose", "pixels", double(fault.mostPx), {}});
+            data.figures.push_back({key + ".share", wide, n.name + ", " + what, of, 100 * fault.share, {}});
+        };
+        addPixels("outside", "drawn outside the grown tubes", "% of its pixels", n.outside);
+        addPixels("uncovered", "uncovered in its outline", "% of its outline", n.uncovered);
     }
     const std::string size = "avatar file";
     add("file.bytes_a_splat", size, "splats and SH", "bytes a splat", double(info.splatBytes + info.shBytes) / std::max(1u, info.splats));
     add("file.bytes", size, "whole file", "bytes", double(package->bytes.size()));
     addWaterfall(data);
     addGarments(data);
+    addLight(data);
     data.evidence = avatar.evidence;
     DPL_RETURN_IF_ERROR(writeFileAtomically(context.folder / "summary.txt", summaryOf(data, avatar.splats.count(), package->bytes.size())));
     return writeReport(data, context.folder);

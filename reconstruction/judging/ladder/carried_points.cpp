@@ -62,6 +62,12 @@ std::vector<Vec3f> CarriedPoints::at(std::span<const Vec3f> surface) const {
     return points;
 }
 
+std::vector<Vec3f> CarriedPoints::places(std::span<const Vec3f> surface) const {
+    std::vector<Vec3f> places;
+    for (const Anchor& anchor : anchors_) places.push_back(Vec3f(pointOf(anchor.corners, anchor.uv, surface)));
+    return places;
+}
+
 std::vector<float> CarriedPoints::distancesM() const {
     std::vector<float> out;
     for (const Anchor& anchor : anchors_) out.push_back(float(glm::length(anchor.place)));

@@ -24,6 +24,9 @@ public:
     /** The points on the surface in another pose. */
     std::vector<Vec3f> at(std::span<const Vec3f> surface) const;
 
+    /** The places of the surface that carry the points, without the distances from them, in another pose. */
+    std::vector<Vec3f> places(std::span<const Vec3f> surface) const;
+
     /** Distances from the points to their triangles, metres. */
     std::vector<float> distancesM() const;
 

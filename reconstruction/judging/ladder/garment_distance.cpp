@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "reconstruction/judging/ladder/garment_distance.h"
 
+#include <algorithm>
+
 #include "reconstruction/subject/shape/closest_surface.h"
 
 namespace dpl {
@@ -31,6 +33,42 @@ double garmentDistanceM(const GarmentPair& garment, std::span<const Vec3f> avata
     if (garment.avatar.empty() || garment.truth.empty()) return 0;
     return 0.5 * (meanDistanceM(avatarPositions, garment.avatar, ClosestSurface(truePositions, garment.truth), jobs) +
                   meanDistanceM(truePositions, garment.seenTruth, ClosestSurface(avatarPositions, garment.avatar), jobs));
+}
+
+double pointDistanceM(const GarmentPair& garment, std::span<const Vec3f> restPositions, std::span<const Vec3f> positions,
+                      std::span<const Vec3f> places) {
+    double sum = 0, area = 0;
+    for (const Triangle& t : garment.avatar) {
+        const Vec3d a(restPositions[t.x]), b(restPositions[t.y]), c(restPositions[t.z]);
+        const double twice = glm::length(glm::cross(b - a, c - a));
+        for (int corner = 0; corner < 3; ++corner) sum += twice / 3 * glm::length(Vec3d(positions[t[corner]]) - Vec3d(places[t[corner]]));
+        area += twice;
+    }
+    return area > 0 ? sum / area : 0;
+}
+
+GarmentPlaces::GarmentPlaces(const GarmentPair& garment, std::span<const Still> stills, Jobs& jobs)
+    : vertexCount_(stills[0].positions.size()) {
+    for (const Triangle& t : garment.avatar) vertices_.insert(vertices_.end(), {t.x, t.y, t.z});
+    std::sort(vertices_.begin(), vertices_.end());
+    vertices_.erase(std::unique(vertices_.begin(), vertices_.end()), vertices_.end());
+    const std::vector<uint8_t> all(garment.seenTruth.size(), 1);
+    const auto own = [&](const std::vector<Vec3f>& of) {
+        std::vector<Vec3f> out;
+        for (const uint32_t v : vertices_) out.push_back(of[v]);
+        return out;
+    };
+    const Still& first = stills[0];
+    CarriedPoints mean(own(first.positions), own(first.normals), first.surface, garment.seenTruth, all, jobs);
+    for (const Still& still : stills) mean.average(own(still.positions), still.surface);
+    points_.emplace(mean.at(first.surface), own(first.normals), first.surface, garment.seenTruth, all, jobs);
+}
+
+std::vector<Vec3f> GarmentPlaces::at(std::span<const Vec3f> surface) const {
+    const std::vector<Vec3f> places = points_->places(surface);
+    std::vector<Vec3f> out(vertexCount_, Vec3f(0));
+    for (size_t i = 0; i < vertices_.size(); ++i) out[vertices_[i]] = places[i];
+    return out;
 }
 
 std::vector<GarmentPair> garmentPairs(const MeshData& avatar, const TrueMesh& truth, std::span<const uint8_t> seen) {

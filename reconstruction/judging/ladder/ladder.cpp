@@ -12,6 +12,7 @@
 #include "reconstruction/judging/ladder/light.h"
 #include "reconstruction/judging/ladder/rig_fit.h"
 #include "reconstruction/judging/ladder/true_mesh.h"
+#include "reconstruction/judging/report/fine_truth.h"
 #include "reconstruction/judging/report/score.h"
 #include "reconstruction/subject/shape/implicit_mesh.h"
 #include "reconstruction/subject/surface/mesh_raster.h"
@@ -23,7 +24,8 @@
 namespace dpl {
 namespace {
 
-constexpr size_t kTrainFrames = 12;      // scored training frames of a kind, evenly spaced; of the other splits all frames are scored
+constexpr size_t kTrainFrames = 12;  // scored training frames of a kind, evenly spaced; of the other splits all frames are scored
+constexpr double kLightWindows[] = {0.04, 0.012, 0.008};  // σ over the picture's height: 20, 6 and 4 px of 504
 constexpr size_t kStillFrames = 12;      // still training frames over which the avatar's surface is compared with the true one
 constexpr size_t kFitStride = 3;         // every third vertex pulls in the pose fit
 constexpr double kBodyDistanceM = 0.02;  // a vertex this far from the true body weighs half in the pose fit: cloth tells little of bones
@@ -44,6 +46,10 @@ enum Rung : size_t {
     kTrueSurface,
     kTrueSurfaceGain,
     kTrueSurfaceLight,
+    kTrueSurfaceFineLight,
+    kTrueSurfaceFinestLight,
+    kNoise,
+    kNoiseInside,
     kFlatLabels,
     kTrueMeshColours,
     kRungs
@@ -60,6 +66,10 @@ Ladder emptyLadder() {
         {"true_surface", "true surface: the avatar's mesh carried by the true body and clothes", {}},
         {"true_surface_gain", "true surface, best gain per frame and channel", {}},
         {"true_surface_light", "true surface, best smooth light per frame", {}},
+        {"true_surface_light_fine", "the same, in a window of 1.2 % of the height", {}},
+        {"true_surface_light_finest", "the same, in a window of 0.8 % of the height", {}},
+        {"noise_floor", "floor: the finer truth in the picture's place", {}},
+        {"noise_floor_inside", "the same, one pixel inside the outline", {}},
         {"floor_flat_labels", "floor: one colour a label in the true outline", {}},
         {"floor_true_mesh_colours", "floor: true mesh with vertex colours", {}},
     };
@@ -142,7 +152,8 @@ public:
         }
         for (GarmentRow& row : ladder.garments)
             for (GarmentCell& cell : row.cells)
-                if (cell.frames > 0) cell.correctedMm /= double(cell.frames), cell.plainMm /= double(cell.frames);
+                for (double* sum : {&cell.correctedMm, &cell.plainMm, &cell.pointCorrectedMm, &cell.pointPlainMm})
+                    if (cell.frames > 0) *sum /= double(cell.frames);
         for (size_t g = 0; g < ladder.groups.size(); ++g)
             for (LadderRung& rung : ladder.rungs) {
                 LadderCell& cell = rung.cells[g];
@@ -150,6 +161,11 @@ public:
                 cell.maskedPsnrDb /= double(cell.frames);
                 if (cell.surfaceMm) *cell.surfaceMm /= double(cell.frames);
             }
+        // A scan without a finer truth has no noise floor, and nothing is said of one.
+        std::erase_if(ladder.rungs, [](const LadderRung& rung) {
+            return rung.key.starts_with("noise_floor") &&
+                   std::all_of(rung.cells.begin(), rung.cells.end(), [](const LadderCell& cell) { return cell.frames == 0; });
+        });
         return std::optional<Ladder>(std::move(ladder));
     }
 
@@ -217,6 +233,12 @@ private:
             }
             return std::move(*points);
         };
+        std::vector<GarmentPlaces::Still> places;
+        for (size_t f : garments_.empty() ? std::vector<size_t>() : averaged) {
+            std::vector<Vec3f> ours = drawer_.pose(in_.poses.frames[f].pose), normals = vertexNormals(ours, in_.avatar.mesh.triangles);
+            places.push_back({std::move(ours), std::move(normals), skinnedTruth(truth_, truth_.frames[f])});
+        }
+        for (const GarmentPair& garment : garments_) places_.emplace_back(garment, places, jobs_);
         whole_.emplace(bound(visible, true));
         body_.emplace(bound(body, false));
         const std::vector<float> distances = body_->distancesM();
@@ -260,7 +282,15 @@ private:
         const std::vector<uint8_t> best = drawer_.draw(carried, camera);
         add(kTrueSurface, best, carried);
         add(kTrueSurfaceGain, withBestGain(best, image, mask), {});
-        add(kTrueSurfaceLight, withBestLight(best, image, mask), {});
+        for (size_t w = 0; w < std::size(kLightWindows); ++w)
+            add(Rung(kTrueSurfaceLight + w), withBestLight(best, image, mask, kLightWindows[w]), {});
+        if (const auto fine = fineTruth(in_.scan.root, in_.scan.frames[f].name, camera)) {
+            const uint32_t w = camera.widthPx, h = camera.heightPx;
+            const std::vector<uint8_t> reduced = areaAveraged(fine->rgba, fine->widthPx, fine->heightPx, w, h);
+            add(kNoise, reduced, {});
+            LadderCell& inside = ladder.rungs[kNoiseInside].cells[group];
+            inside.maskedPsnrDb += scorePicture(reduced, insideOutline(cutOut(image, mask), w, h), w, h).maskedPsnrDb, ++inside.frames;
+        }
         if (!labels.pixels.empty()) add(kFlatLabels, labels_.paint(mask, labels), {});
         add(kTrueMeshColours, paintMesh(*surface, shown_, colours_, camera), {});
         measureGarments({found.bestPose(), pose}, *surface, group, ladder);
@@ -279,6 +309,11 @@ private:
                     return 1000 * garmentDistanceM(garment, ours, surface, jobs_);
                 };
                 cell.correctedMm += distanceMm(corrected), cell.plainMm += distanceMm(plain), ++cell.frames;
+                const std::vector<Vec3f> places = places_[i].at(surface);
+                const auto pointMm = [&](const std::vector<Vec3f>& ours) {
+                    return 1000 * pointDistanceM(garment, in_.avatar.mesh.restPositions, ours, places);
+                };
+                cell.pointCorrectedMm += pointMm(corrected), cell.pointPlainMm += pointMm(plain);
             }
         }
     }
@@ -289,6 +324,7 @@ private:
     Drawer drawer_;
     std::vector<Triangle> shown_;  // of the true mesh: those that the pictures show
     std::vector<GarmentPair> garments_;
+    std::vector<GarmentPlaces> places_;  // one a garment
     LabelColours labels_;
     VertexColours meshColours_;
     std::vector<glm::u8vec4> colours_;

@@ -9,8 +9,6 @@
 namespace dpl {
 namespace {
 
-constexpr double kWindow = 0.04;  // σ of the window, share of the picture's height
-
 uint8_t times(uint8_t value, double factor) {
     return uint8_t(std::clamp(double(value) * factor + 0.5, 0.0, 255.0));
 }
@@ -35,7 +33,7 @@ std::vector<uint8_t> withBestGain(const std::vector<uint8_t>& rgba, const ImageR
     return out;
 }
 
-std::vector<uint8_t> withBestLight(const std::vector<uint8_t>& rgba, const ImageRgb8& truth, const ImageGrey8& mask) {
+std::vector<uint8_t> withBestLight(const std::vector<uint8_t>& rgba, const ImageRgb8& truth, const ImageGrey8& mask, double window) {
     const int width = int(truth.widthPx), height = int(truth.heightPx);
     cv::Mat drawnTrue(height, width, CV_32F, cv::Scalar(0)), drawnDrawn(height, width, CV_32F, cv::Scalar(0));
     float *a = drawnTrue.ptr<float>(), *b = drawnDrawn.ptr<float>();
@@ -44,7 +42,7 @@ std::vector<uint8_t> withBestLight(const std::vector<uint8_t>& rgba, const Image
             const float d = rgba[4 * i + c];
             a[i] += d * float(truth.pixels[3 * i + c]), b[i] += d * d;
         }
-    const double sigma = kWindow * height;
+    const double sigma = window * height;
     cv::GaussianBlur(drawnTrue, drawnTrue, cv::Size(), sigma, sigma, cv::BORDER_CONSTANT);
     cv::GaussianBlur(drawnDrawn, drawnDrawn, cv::Size(), sigma, sigma, cv::BORDER_CONSTANT);
     a = drawnTrue.ptr<float>(), b = drawnDrawn.ptr<float>();

@@ -13,8 +13,8 @@ namespace dpl {
  *  mask, in least squares. */
 std::vector<uint8_t> withBestGain(const std::vector<uint8_t>& rgba, const ImageRgb8& truth, const ImageGrey8& mask);
 
-/** The same with one factor for all channels that varies smoothly over the picture: least squares in a Gaussian window of σ = 4 % of the
- *  picture's height. */
-std::vector<uint8_t> withBestLight(const std::vector<uint8_t>& rgba, const ImageRgb8& truth, const ImageGrey8& mask);
+/** The same with one factor for all channels that varies smoothly over the picture: least squares in a Gaussian window of σ = `window`
+ *  times the picture's height, > 0. A small window fits noise too, so a still picture, which lacks no light, tells what is overfit. */
+std::vector<uint8_t> withBestLight(const std::vector<uint8_t>& rgba, const ImageRgb8& truth, const ImageGrey8& mask, double window);
 
 }  // namespace dpl

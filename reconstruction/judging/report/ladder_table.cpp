@@ -23,10 +23,27 @@ std::string cellText(const LadderCell& cell, const char* dash) {
 }
 
 /** "31.2 of 40.1 (0.78)": with pose correctives, without, and the ratio. */
+std::string ratioText(double correctedMm, double plainMm) {
+    return decimals(correctedMm, 1) + " of " + decimals(plainMm, 1) + (plainMm > 0 ? " (" + decimals(correctedMm / plainMm, 2) + ")" : "");
+}
+
 std::string cellText(const GarmentCell& cell, const char* dash) {
-    if (cell.frames == 0) return dash;
-    return decimals(cell.correctedMm, 1) + " of " + decimals(cell.plainMm, 1) +
-           (cell.plainMm > 0 ? " (" + decimals(cell.correctedMm / cell.plainMm, 2) + ")" : "");
+    return cell.frames == 0 ? dash : ratioText(cell.correctedMm, cell.plainMm);
+}
+
+/** The distances of points of a row of garments. */
+struct PointCell {
+    GarmentCell cell;
+};
+
+std::string cellText(const PointCell& point, const char* dash) {
+    return point.cell.frames == 0 ? dash : ratioText(point.cell.pointCorrectedMm, point.cell.pointPlainMm);
+}
+
+std::vector<PointCell> pointsOf(const GarmentRow& row) {
+    std::vector<PointCell> points;
+    for (const GarmentCell& cell : row.cells) points.push_back({cell});
+    return points;
 }
 
 std::string rowName(const GarmentRow& row) {
@@ -48,17 +65,21 @@ std::string ladderText(const Ladder& ladder) {
     std::string text = padded("masked PSNR, dB (mean distance to the true surface)", kFirst);
     for (const LadderGroup& group : ladder.groups)
         if (group.frames > 0) text += padded(heading(group), kColumn);
+    const auto addCells = [&](const auto& cells) {
+        for (size_t g = 0; g < ladder.groups.size(); ++g)
+            if (ladder.groups[g].frames > 0) text += padded(cellText(cells[g], "-"), kColumn);
+    };
     for (const LadderRung& rung : ladder.rungs) {
         text += "\n" + padded(rung.what, kFirst);
-        for (size_t g = 0; g < ladder.groups.size(); ++g)
-            if (ladder.groups[g].frames > 0) text += padded(cellText(rung.cells[g], "-"), kColumn);
+        addCells(rung.cells);
     }
     if (ladder.garments.empty()) return text;
     text += "\ngarments: distance from the truth, mm, of that under plain LBS (ratio)";
     for (const GarmentRow& row : ladder.garments) {
         text += "\n" + padded(rowName(row), kFirst);
-        for (size_t g = 0; g < ladder.groups.size(); ++g)
-            if (ladder.groups[g].frames > 0) text += padded(cellText(row.cells[g], "-"), kColumn);
+        addCells(row.cells);
+        text += "\n" + padded("  its points", kFirst);
+        addCells(pointsOf(row));
     }
     return text;
 }
@@ -83,9 +104,13 @@ std::string ladderHtml(const Ladder& ladder) {
     if (ladder.garments.empty()) return html;
     html +=
         "<p class=soft>Mean distance between each garment and the true one, both ways, in mm, of that of the same avatar without pose "
-        "correctives; in brackets the ratio.</p>" +
+        "correctives; in brackets the ratio. Nearest distances do not see a garment slide along itself; those of points, each from the "
+        "place of the true garment on which it lies when the person stands still, do.</p>" +
         std::string(kTableBegin) + "<tr><th>garment</th>" + head + "</tr>";
-    for (const GarmentRow& row : ladder.garments) addRow(html, rowName(row), row.cells);
+    for (const GarmentRow& row : ladder.garments) {
+        addRow(html, rowName(row), row.cells);
+        addRow(html, rowName(row) + ", its points", pointsOf(row));
+    }
     return html + kTableEnd;
 }
 
@@ -112,7 +137,11 @@ nlohmann::ordered_json garmentsJson(const Ladder& ladder) {
         for (size_t g = 0; g < ladder.groups.size(); ++g)
             if (const GarmentCell& cell = garment.cells[g]; cell.frames > 0)
                 row[shortKindName(ladder.groups[g].kind)][splitName(ladder.groups[g].split)] = {
-                    {"frames", cell.frames}, {"corrected_mm", cell.correctedMm}, {"plain_mm", cell.plainMm}};
+                    {"frames", cell.frames},
+                    {"corrected_mm", cell.correctedMm},
+                    {"plain_mm", cell.plainMm},
+                    {"point_corrected_mm", cell.pointCorrectedMm},
+                    {"point_plain_mm", cell.pointPlainMm}};
         rows.push_back(std::move(row));
     }
     return rows;

@@ -29,7 +29,8 @@ struct LadderRung {
 struct GarmentCell {
     size_t frames = 0;  // 0: not measured
     double correctedMm = 0;
-    double plainMm = 0;  // of the same avatar without pose correctives
+    double plainMm = 0;                             // of the same avatar without pose correctives
+    double pointCorrectedMm = 0, pointPlainMm = 0;  // of its points from where they belong: slip counts
 };
 
 enum class GarmentPoses : uint8_t {

@@ -74,6 +74,18 @@ TEST_F(CarriedPointsTest, movesRigidlyWithARigidSurface) {
     }
 }
 
+TEST_F(CarriedPointsTest, placesLieOnTheSurfaceAndMoveWithIt) {
+    MeshData one;
+    one.restPositions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
+    one.triangles = {{0, 1, 2}};
+    const std::vector<Vec3f> points{{0.2f, 0.3f, 0.05f}}, normals{{0, 0, 1}};
+    const std::vector<uint8_t> allowed{1};
+    const CarriedPoints carried(points, normals, one.restPositions, one.triangles, allowed, jobs_);
+    EXPECT_LT(glm::length(carried.places(one.restPositions)[0] - Vec3f(0.2f, 0.3f, 0)), 1e-6f);
+    const std::vector<Vec3f> wider{{0, 0, 1}, {2, 0, 1}, {0, 1, 1}};
+    EXPECT_LT(glm::length(carried.places(wider)[0] - Vec3f(0.4f, 0.3f, 1)), 1e-6f);
+}
+
 TEST_F(CarriedPointsTest, averagesThePlacesOfSeveralPoses) {
     CarriedPoints carried(points_, normals_, ball_.mesh.restPositions, ball_.mesh.triangles, allowed_, jobs_);
     for (const float aside : {0.01f, 0.03f, 0.02f}) {

@@ -58,6 +58,69 @@ TEST(GarmentDistance, nothingHasNoDistance) {
     EXPECT_EQ(distanceMm(sheet(1, 0), {}), 0);
 }
 
+/** The sheet `by` metres farther along x. */
+Sheet slid(Sheet s, float by) {
+    for (Vec3f& p : s.positions) p.x += by;
+    return s;
+}
+
+/** Distances of a garment that slid along the true one after a still frame in which it lay `gapM` above it, millimetres. */
+struct Slip {
+    double nearestMm, pointMm;
+};
+Slip slipOf(float byM, float gapM) {
+    Jobs jobs(2);
+    const Sheet still = slid(sheet(1, gapM), 1), truth = sheet(3, 0, 60), now = slid(still, byM);
+    const GarmentPair pair{"top", still.triangles, truth.triangles, {}};
+    GarmentPair seen = pair;
+    seen.seenTruth = truth.triangles;
+    const std::vector<Vec3f> up(still.positions.size(), Vec3f(0, -1, 0));  // as the sheets face
+    const std::vector<GarmentPlaces::Still> stills{{still.positions, up, truth.positions}};
+    const GarmentPlaces places(seen, stills, jobs);
+    return {1000 * garmentDistanceM(pair, now.positions, truth.positions, jobs),
+            1000 * pointDistanceM(seen, still.positions, now.positions, places.at(truth.positions))};
+}
+
+TEST(PointDistance, seesSlipThatTheNearestDistanceDoesNot) {
+    const Slip slip = slipOf(0.2f, 0);
+    EXPECT_NEAR(slip.nearestMm, 0, 1e-3);
+    EXPECT_NEAR(slip.pointMm, 200, 1e-2);
+}
+
+TEST(PointDistance, countsTheGapOfTheStillFramesAsTheNearestDoes) {
+    EXPECT_NEAR(slipOf(0, 0.01f).pointMm, 10, 1e-2);
+    EXPECT_NEAR(slipOf(0.03f, 0.04f).pointMm, 50, 1e-2);
+}
+
+TEST(PointDistance, placesAreThoseOfTheMeanOverStillFramesAndFollowTheTruth) {
+    // The person sways by 2 cm and back; then the true garment moves up by 10 cm and the avatar's stays.
+    Jobs jobs(2);
+    const Sheet avatar = slid(sheet(1, 0), 1), truth = sheet(3, 0, 60);
+    const GarmentPair pair{"top", avatar.triangles, truth.triangles, truth.triangles};
+    const std::vector<Vec3f> up(avatar.positions.size(), Vec3f(0, -1, 0));
+    std::vector<GarmentPlaces::Still> stills;
+    for (const float sway : {0.02f, -0.02f}) stills.push_back({slid(avatar, sway).positions, up, truth.positions});
+    const GarmentPlaces places(pair, stills, jobs);
+    const auto mm = [&](const Sheet& now) {
+        return 1000 * pointDistanceM(pair, avatar.positions, avatar.positions, places.at(now.positions));
+    };
+    EXPECT_NEAR(mm(truth), 0, 1e-2);
+    EXPECT_NEAR(mm(sheet(3, 0.1f, 60)), 100, 1e-2);
+}
+
+TEST(PointDistance, isTheMeanOverTheAreaAtRest) {
+    // Half of the area is 10 cm off, in an eighth of the triangles.
+    Sheet two = sheet(1, 0, 5);
+    const Sheet fine = slid(sheet(1, 0, 35), 1);
+    const auto first = uint32_t(two.positions.size());
+    two.positions.insert(two.positions.end(), fine.positions.begin(), fine.positions.end());
+    for (const Triangle& t : fine.triangles) two.triangles.push_back(t + first);
+    std::vector<Vec3f> moved = two.positions;
+    for (uint32_t v = 0; v < first; ++v) moved[v].y += 0.1f;
+    EXPECT_NEAR(1000 * pointDistanceM({"top", two.triangles, {}, {}}, two.positions, moved, two.positions), 50, 1e-3);
+    EXPECT_EQ(pointDistanceM({"top", {}, {}, {}}, two.positions, moved, two.positions), 0);
+}
+
 TEST(GarmentPairs, areGarmentsThatTheTruthSimulates) {
     MeshData avatar;
     avatar.triangles.assign(9, Triangle(0, 1, 2));

@@ -3,6 +3,9 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
+#include "reconstruction/base/image_codec.h"
 #include "reconstruction/judging/report/score.h"
 #include "sdk/avatar/posed_mesh.h"
 #include "tests/unit/recon_ladder/toy_truth.h"
@@ -98,6 +101,47 @@ TEST_F(LadderTest, garmentsAreComparedWithAndWithoutPoseCorrectives) {
     EXPECT_EQ(cell.frames, 1u);
     EXPECT_NEAR(cell.correctedMm, 0, 0.01);
     EXPECT_GT(cell.plainMm, 1);
+    EXPECT_GT(cell.pointPlainMm, cell.pointCorrectedMm + 1);
+    EXPECT_GE(cell.pointPlainMm, cell.plainMm) << "the nearest place is the nearest";
+}
+
+TEST_F(LadderTest, aFinerTruthIsTheFloorOfNoise) {
+    // The finer truth differs from the picture by 10 levels everywhere, as noise would.
+    const ScanFrame& frame = toy_.table.scan.frames[kMoving];
+    const FramePicture picture = must(readFramePicture(frame));
+    const uint32_t w = 2 * picture.image.widthPx, h = 2 * picture.image.heightPx;
+    std::vector<uint8_t> rgb, mask;
+    for (uint32_t y = 0; y < h; ++y)
+        for (uint32_t x = 0; x < w; ++x) {
+            const size_t i = size_t(y / 2) * picture.image.widthPx + x / 2;
+            mask.push_back(picture.mask.pixels[i]);
+            for (size_t c = 0; c < 3; ++c) {
+                const uint8_t value = picture.image.pixels[3 * i + c];
+                rgb.push_back(uint8_t(value > 128 ? value - 10 : value + 10));
+            }
+        }
+    const std::filesystem::path file = toy_.table.scan.root / "hires/x2" / frame.name;
+    mustWrite(file.string() + ".jpg", must(encodePng(rgb, w, h, 3)));
+    mustWrite(file.string() + ".mask.png", must(encodePng(mask, w, h, 1)));
+    const double expectedDb = 20 * std::log10(255.0 / 10);
+    for (const char* rung : {"noise_floor", "noise_floor_inside"}) {
+        EXPECT_NEAR(cell(rung, FrameKind::Dynamic, Split::Test).maskedPsnrDb, expectedDb, 1e-3) << rung;
+        EXPECT_EQ(cell(rung, FrameKind::StaticFull, Split::Train).frames, 0u) << "these frames have none";
+    }
+}
+
+TEST_F(LadderTest, withoutAFinerTruthNothingIsSaidOfNoise) {
+    const auto ladder = must(measureLadder({toy_.table.scan, toy_.metric.cameras, toy_.avatar, poses_}, toy_.jobs));
+    for (const LadderRung& rung : ladder->rungs) EXPECT_FALSE(rung.key.starts_with("noise")) << rung.key;
+}
+
+TEST_F(LadderTest, aNarrowWindowOfLightGainsMoreAndStillFramesAreScoredWithIt) {
+    for (const FrameKind kind : {FrameKind::Dynamic, FrameKind::StaticFull}) {
+        const double wide = cell("true_surface_light", kind, Split::Test).maskedPsnrDb;
+        const double fine = cell("true_surface_light_fine", kind, Split::Test).maskedPsnrDb;
+        EXPECT_GT(fine, wide);
+        EXPECT_GT(cell("true_surface_light_finest", kind, Split::Test).maskedPsnrDb, fine);
+    }
 }
 
 TEST_F(LadderTest, aRungThatDoesNotApplyIsEmpty) {

@@ -46,16 +46,38 @@ TEST(Light, aSmoothLightIsFoundAndAGainIsNotEnough) {
     const Case c = make([](uint32_t x, uint32_t, uint32_t) { return 0.6 + 0.008 * x; });
     const double before = scorePicture(c.drawn, c.truth, c.mask).maskedPsnrDb,
                  gain = scorePicture(withBestGain(c.drawn, c.truth, c.mask), c.truth, c.mask).maskedPsnrDb,
-                 light = scorePicture(withBestLight(c.drawn, c.truth, c.mask), c.truth, c.mask).maskedPsnrDb;
+                 light = scorePicture(withBestLight(c.drawn, c.truth, c.mask, 0.04), c.truth, c.mask).maskedPsnrDb;
     EXPECT_GT(light, gain + 10);
     EXPECT_GE(gain, before);
+}
+
+/** dB that the best light brings in a window. */
+double gainDb(const Case& c, double window) {
+    return scorePicture(withBestLight(c.drawn, c.truth, c.mask, window), c.truth, c.mask).maskedPsnrDb -
+           scorePicture(c.drawn, c.truth, c.mask).maskedPsnrDb;
+}
+
+TEST(Light, aNarrowWindowFindsFoldsThatAWideOneDoesNot) {
+    const Case c = make([](uint32_t x, uint32_t, uint32_t) { return 1 + 0.4 * std::sin(0.3 * x); });  // folds of 21 pixels
+    EXPECT_LT(gainDb(c, 0.20), 1);
+    EXPECT_GT(gainDb(c, 0.02), 8);
+}
+
+TEST(Light, aNarrowWindowGainsOnNoiseToo) {
+    // Nothing lacks light here, so whatever a window gains is overfit: more, the narrower it is.
+    uint32_t state = 1;
+    const Case c =
+        make([&](uint32_t, uint32_t, uint32_t) { return 0.8 + 0.4 * double((state = state * 1664525u + 1013904223u) >> 8) / (1 << 24); });
+    EXPECT_NEAR(gainDb(c, 0.20), 0, 0.05);
+    EXPECT_GT(gainDb(c, 0.008), 0.2);
+    EXPECT_GT(gainDb(c, 0.008), gainDb(c, 0.04));
 }
 
 TEST(Light, anEmptyMaskChangesNothing) {
     Case c = make([](uint32_t, uint32_t, uint32_t) { return 1.2; });
     std::fill(c.mask.pixels.begin(), c.mask.pixels.end(), uint8_t(0));
     EXPECT_EQ(withBestGain(c.drawn, c.truth, c.mask), c.drawn);
-    EXPECT_EQ(withBestLight(c.drawn, c.truth, c.mask), c.drawn);
+    EXPECT_EQ(withBestLight(c.drawn, c.truth, c.mask, 0.04), c.drawn);
 }
 
 }  // namespace

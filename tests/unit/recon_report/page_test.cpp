@@ -57,6 +57,17 @@ TEST(ReportPage, figuresOfEngineersAreFoldedAndAllThere) {
     }
 }
 
+TEST(ReportPage, theLadderStatesPointsBesideTheNearestDistance) {
+    const ReportData data = fullReport();
+    const std::string text = ladderText(*data.ladder), page = pageOf(data);
+    EXPECT_LT(text.find("31.2 of 40.1 (0.78)"), text.find("41.3 of 52.4 (0.79)"));
+    EXPECT_EQ(countOf(text, "41.3 of 52.4 (0.79)"), 6u) << "one a group of frames";
+    EXPECT_EQ(countOf(page, "<td>41.3 of 52.4 (0.79)</td>"), 6u);
+    const auto cell = nlohmann::json::parse(reportJson(data))["garments"][0]["dynamic"]["test"];
+    EXPECT_EQ(cell["point_corrected_mm"], 41.3);
+    EXPECT_EQ(cell["point_plain_mm"], 52.4);
+}
+
 TEST(ReportPage, listsEveryPartThatTheAvatarLacksAndNoneThatItHas) {
     const ReportData data = fullReport();
     const std::string page = pageOf(data);

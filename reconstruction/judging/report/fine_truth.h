@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-// The finest picture that a scan has of a frame: hires/ of docs/formats/scan.md. The report alone reads it.
+// The finest picture that a scan has of a frame: hires/ of docs/formats/scan.md. Only what measures reads it.
 #pragma once
 
 #include <filesystem>
 #include <optional>
+#include <string>
 #include <vector>
 
-#include "reconstruction/input/capture/train_frame.h"
+#include "sdk/math/camera.h"
 
 namespace dpl {
 
@@ -16,7 +17,7 @@ struct FineTruth {
 };
 
 /** The frame's picture at four times the size, otherwise at twice the size. None if the scan has neither, or if they are unreadable or of
- *  the wrong size. `scan` is the scan's folder. */
-std::optional<FineTruth> fineTruth(const std::filesystem::path& scan, const TrainFrame& frame);
+ *  the wrong size. `scan` is the scan's folder, `camera` that of the frame's own picture. */
+std::optional<FineTruth> fineTruth(const std::filesystem::path& scan, const std::string& frame, const Camerad& camera);
 
 }  // namespace dpl
