@@ -156,7 +156,8 @@ std::optional<Shot> movesToFilm(std::span<const JointData> joints, std::span<con
     const std::vector<std::string_view> missing = missingMoves(joints, moving);
     if (missing.empty()) return std::nullopt;
     if (moving.empty())
-        return Shot{"moves", formatText("Film the moves while you walk round: {}. Without them clothes look stiff in motion", listed(missing)), 0};
+        return Shot{"moves",
+                    formatText("Film the moves while you walk round: {}. Without them clothes look stiff in motion", listed(missing)), 0};
     return Shot{"moves", formatText("Film these moves too: {}. Clothes learn only from moves that are filmed", listed(missing)), 0};
 }
 

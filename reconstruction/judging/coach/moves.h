@@ -12,8 +12,8 @@
 
 namespace dpl {
 
-/** The moves of the guide to filming that no pose shows, as parts of a sentence ("lift one knee and then the other"), in its order. Moves of
- *  bones that the rig does not name are left out. The poses must have passed checkPose. */
+/** The moves of the guide to filming that no pose shows, as parts of a sentence ("lift one knee and then the other"), in its order. Moves
+ * of bones that the rig does not name are left out. The poses must have passed checkPose. */
 std::vector<std::string_view> missingMoves(std::span<const JointData> joints, std::span<const Pose> moving);
 
 /** Advice to film the missing moves; none where none is missing. */
