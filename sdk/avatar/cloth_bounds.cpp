@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <functional>
 #include <utility>
 
 #include "sdk/avatar/stress_poses.h"
@@ -156,21 +155,8 @@ private:
                 if (piece_.jointWeights[v][k] > 0)
                     rows_[v * columns + columnOf_[piece_.jointIndices[v][k]]] += float(piece_.jointWeights[v][k]) / 255;
     }
-    /** Cuts the row to four joints. The fifth largest weight is taken off all, so that the cut is continuous (docs/reference/garments.md).
-     */
     void pack(uint32_t v) {
-        const size_t columns = jointOf_.size();
-        const float* row = &rows_[v * columns];
-        float fifth = 0;
-        if (columns > 4) {
-            sorted_.assign(row, row + columns);
-            std::nth_element(sorted_.begin(), sorted_.begin() + 4, sorted_.end(), std::greater<>());
-            fifth = sorted_[4];
-        }
-        weights_.clear();
-        for (uint32_t c = 0; c < columns; ++c)
-            if (row[c] > fifth) weights_.emplace_back(jointOf_[c], row[c] - fifth);
-        const PackedWeights packed = packWeights(weights_);
+        const PackedWeights packed = cutToFour(std::span(rows_).subspan(v * jointOf_.size(), jointOf_.size()), jointOf_);
         piece_.jointIndices[v] = packed.joints, piece_.jointWeights[v] = packed.weights;
     }
     /** Poses a vertex by its dense row. */
@@ -194,8 +180,7 @@ private:
     size_t poses_;
     std::vector<std::vector<Mat3x4f>> transforms_;
     std::vector<Vec3f> posed_;          // V × poses
-    std::vector<float> rows_, sorted_;  // rows: V × columns
-    std::vector<std::pair<uint32_t, float>> weights_;
+    std::vector<float> rows_;           // V × columns
     std::vector<uint32_t> moves_;       // of each vertex, counted
     std::vector<uint32_t> measuredAt_;  // of each edge: moves of both ends when its stretch was measured
     std::vector<float> stretch_;

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <vector>
 
 namespace dpl {
@@ -41,6 +42,19 @@ PackedWeights packWeights(std::span<const std::pair<uint32_t, float>> jointAndWe
     for (size_t k = 0; k < merged.size(); ++k)
         if (units[k]) packed.joints[int(k)] = uint16_t(merged[k].first), packed.weights[int(k)] = uint8_t(units[k]);
     return packed;
+}
+
+PackedWeights cutToFour(std::span<const float> row, std::span<const uint32_t> jointOf) {
+    float fifth = 0;
+    if (row.size() > 4) {
+        std::vector<float> sorted(row.begin(), row.end());
+        std::nth_element(sorted.begin(), sorted.begin() + 4, sorted.end(), std::greater<>());
+        fifth = sorted[4];
+    }
+    std::vector<std::pair<uint32_t, float>> kept;
+    for (size_t c = 0; c < row.size(); ++c)
+        if (row[c] > fifth) kept.emplace_back(jointOf[c], row[c] - fifth);
+    return packWeights(kept);
 }
 
 }  // namespace dpl

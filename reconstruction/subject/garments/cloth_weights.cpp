@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <functional>
 #include <span>
 
 #include "reconstruction/subject/garments/body_follow.h"
@@ -65,20 +64,12 @@ void limitSteps(Rows& rows, const std::vector<std::vector<uint32_t>>& neighbours
     }
 }
 
-/** Cuts each row to four unorm8 weights, into `out`, and writes the cut weights back. The fifth largest weight is first taken off all, so
- *  that a joint that drops out of the four has faded to nothing before: otherwise cloth tears where the four change. */
+/** Cuts each row to four unorm8 weights, into `out`, and writes the cut weights back. */
 void cutRows(Rows& rows, std::span<const uint32_t> jointOf, ClothWeights& out) {
     const size_t count = rows.value.size() / rows.jointCount;
     out.joints.resize(count), out.weights.resize(count);
-    std::vector<std::pair<uint32_t, float>> row;
     for (size_t v = 0; v < count; ++v) {
-        std::vector<float> sorted(rows[v], rows[v] + rows.jointCount);
-        std::sort(sorted.begin(), sorted.end(), std::greater<>());
-        const float fifth = sorted.size() > 4 ? sorted[4] : 0;
-        row.clear();
-        for (uint32_t j = 0; j < rows.jointCount; ++j)
-            if (rows[v][j] > fifth) row.emplace_back(jointOf[j], rows[v][j] - fifth);
-        const PackedWeights packed = packWeights(row);
+        const PackedWeights packed = cutToFour({rows[v], rows.jointCount}, jointOf);
         out.joints[v] = packed.joints, out.weights[v] = packed.weights;
         for (size_t j = 0; j < rows.jointCount; ++j) {
             rows[v][j] = 0;
