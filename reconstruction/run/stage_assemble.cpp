@@ -14,6 +14,7 @@
 #include "reconstruction/subject/garments/tuck_body.h"
 #include "reconstruction/training/trainer/init.h"
 #include "reconstruction/training/trainer/train_images.h"
+#include "sdk/avatar/cloth_bounds.h"
 #include "sdk/avatar/stress_poses.h"
 #include "sdk/core/evenly_spaced.h"
 #include "sdk/core/log.h"
@@ -22,6 +23,14 @@ namespace dpl {
 namespace {
 
 constexpr size_t kTuckedPoses = 64;  // of training, at most
+constexpr int kMostMends = 3;
+
+/** Training shortens edges, so garments may tear again. Mended here, they load as they are written: rounding to 1/255 may leave an edge
+ *  that a reader would mend once more. */
+void mendGarments(AvatarData& avatar) {
+    for (int round = 0; round < kMostMends && boundGarments(avatar.joints, avatar.mesh).evened > 0; ++round) {
+    }
+}
 
 /** Clothes that sink into unseen skin in stress poses or in those of training stay outside it. */
 Status tuckUnseenBody(AssembledAvatar& assembled, Jobs& jobs) {
@@ -82,6 +91,7 @@ Result<AssembledAvatar> StageOf<AssembledAvatar>::compute(StageInputs& in) {
     const std::vector<Vec3f> trainedRest = avatar.mesh.restPositions;
     DPL_TRY(AvatarData decoded, decodedAvatar(avatar));
     avatar.mesh = decoded.mesh;  // the vertices that every reader decodes
+    mendGarments(avatar);
     DPL_TRY([[maybe_unused]] uint32_t unchanged, rebaseSplats(trainedRest, avatar));
     DPL_TRY(avatar, decodedAvatar(avatar));
     if (avatar.splats.shDegree > 0) {

@@ -21,7 +21,7 @@ struct AssembledAvatar {
 
 template <>
 struct StageOf<AssembledAvatar> {
-    static constexpr StageName kName{"assemble", 1};
+    static constexpr StageName kName{"assemble", 2};
     static constexpr const char* kPriors[] = {"input/cameras", "input/capture", "subject/garments", "subject/surface", "training/trainer"};
     static Status inputs(StageInputs& in);
     static Result<AssembledAvatar> compute(StageInputs& in);

@@ -13,7 +13,7 @@
 namespace dpl {
 
 constexpr float kMostClothStretch = 1.7f;  // of an edge over its rest length: what sweeps aim at, because other poses add to it
-constexpr float kTornClothStretch = 2.3f;  // a file with a longer edge is mended; weights in steps of 1/255 leave mended ones below it
+constexpr float kTornClothStretch = 2.3f;  // a file with a longer edge is mended; more than 1.7, because weights come in steps of 1/255
 
 /** A garment to bound, borrowed. */
 struct ClothPiece {

@@ -6,6 +6,7 @@
 
 #include "reconstruction/output/package/avatar_bytes.h"
 #include "reconstruction/output/package/posed_splats.h"
+#include "sdk/avatar/cloth_bounds.h"
 #include "sdk/core/files.h"
 #include "sdk/format/avatar_file.h"
 #include "sdk/format/gltf_splats.h"
@@ -62,7 +63,8 @@ Result<Source> sourceOf(const ExportOptions& options, std::span<const uint8_t> b
     }
     if (!options.inputAxes.empty())
         return fail(Code::InvalidArgument, "--input-axes does not apply to avatars, which are y up; leave it out");
-    DPL_TRY(const AvatarData avatar, readAvatar(bytes));
+    DPL_TRY(AvatarData avatar, readAvatar(bytes));
+    boundGarments(avatar.joints, avatar.mesh);  // as renderers load it
     DPL_TRY(const Pose pose, choosePose(avatar, options));
     DPL_TRY(source.splats, posedSplats(avatar, pose));
     source.lost.push_back(formatText("motion ({} joints, {} clips)", avatar.joints.size(), avatar.clips.size()));
