@@ -35,12 +35,13 @@ void addReconstructCommand(CLI::App& app, CommandRun& run) {
             (part == "layers"        ? options->without.layers
              : part == "large-steps" ? options->without.largeSteps
              : part == "light"       ? options->without.light
+             : part == "motion"      ? options->without.motion
                                      : options->without.gradientControl) = true;
     };
     command
         ->add_option_function<std::vector<std::string>>("--without", leaveOut,
                                                         "Leave parts of the method out, to measure what they bring (tools/ablations)")
-        ->check(CLI::IsMember({"layers", "large-steps", "light", "gradient-control"}))
+        ->check(CLI::IsMember({"layers", "large-steps", "light", "motion", "gradient-control"}))
         ->delimiter(',');
     const auto talk = addTalkOptions(*command);
     command->footer(

@@ -80,6 +80,36 @@ std::vector<glm::dmat4> referenceJointTransforms(const std::vector<JointData>& j
     return world;
 }
 
+/** The coefficients of the motion modes for a pose that was held for ever. The angle between two rotations is that of R·Sᵀ, by its trace
+ *  and its antisymmetric part. */
+std::vector<double> referenceMotion(const MotionModeData& m, const Pose& pose) {
+    std::vector<double> inputs(1 + m.joints.size(), 0.0), k;
+    double distance = 0;
+    for (size_t j = 0; j < m.joints.size(); ++j) {
+        const Quatf still(m.still[j].w, m.still[j].x, m.still[j].y, m.still[j].z);
+        const glm::dmat3 turn = rotationOf(pose.localRotations[m.joints[j]]) * glm::transpose(rotationOf(still));
+        const glm::dvec3 twice(turn[1][2] - turn[2][1], turn[2][0] - turn[0][2], turn[0][1] - turn[1][0]);  // 2 sin(angle) times the axis
+        const double angle = std::atan2(glm::length(twice), turn[0][0] + turn[1][1] + turn[2][2] - 1);
+        distance += angle * angle;
+        inputs[1 + j] = std::min(std::max(angle - double(m.rangeRad[j].x), 0.0), double(m.rangeRad[j].y));
+    }
+    inputs[0] = smoothstep(double(m.movedFromRad), double(m.movedToRad), std::sqrt(distance));
+    for (const MotionGroupData& group : m.groups) {
+        double squares = 0;
+        for (uint32_t c = 0; c < group.columnCount; ++c) {
+            const size_t row = k.size() * m.holdsS.size() * inputs.size();
+            double sum = 0;
+            for (size_t i = 0; i < m.holdsS.size() * inputs.size(); ++i) sum += double(m.modes[row + i]) * inputs[i % inputs.size()];
+            squares += sum * sum;
+            k.push_back(sum);
+        }
+        if (squares > 0)
+            for (size_t c = k.size() - group.columnCount; c < k.size(); ++c)
+                k[c] *= std::min(1.0, double(group.reach) / std::sqrt(squares));
+    }
+    return k;
+}
+
 std::vector<double> referenceCoefficients(const PoseCorrectiveData& c, const Pose& pose) {
     std::vector<double> heard;
     for (const uint32_t joint : c.joints) {
@@ -104,6 +134,7 @@ std::vector<double> referenceCoefficients(const PoseCorrectiveData& c, const Pos
     const double shorter = std::min(1.0, double(c.reach) / std::sqrt(squares));  // for k = 0, reach/0 is infinite and the factor is 1
     const double fade = off > 0 ? std::min(1.0, double(c.reachOffModes) / std::sqrt(off)) : 1.0;
     for (double& x : k) x *= shorter * fade;
+    for (const double x : referenceMotion(c.motion, pose)) k.push_back(x);
     return k;
 }
 
@@ -115,8 +146,8 @@ ReferenceCorrection referenceCorrection(const AvatarData& avatar, const Pose& po
     const std::vector<double> k = referenceCoefficients(c, pose);
     for (size_t v = 0; v < vertices; ++v) {
         for (int slot = 0; slot < 4; ++slot)
-            for (uint32_t i = 0; i < c.modeCount; ++i) {
-                const glm::dvec4 value(c.nodes[size_t(c.nodeIndices[v][slot]) * c.modeCount + i]);
+            for (size_t i = 0; i < k.size(); ++i) {
+                const glm::dvec4 value(c.nodes[size_t(c.nodeIndices[v][slot]) * k.size() + i]);
                 const double share = k[i] * double(c.nodeWeights[v][slot]) / 255.0;
                 out.offset[v] += share * glm::dvec3(value);
                 out.light[v] += share * value.w;

@@ -25,6 +25,7 @@ struct WithoutParts {
     bool layers = false;           // clothes are painted on the skin
     bool largeSteps = false;       // every vertex moves by itself
     bool light = false;            // brightness does not follow the pose
+    bool motion = false;           // clothes do not remember that the subject has moved
     bool gradientControl = false;  // close-ups count no more than other pictures
 };
 

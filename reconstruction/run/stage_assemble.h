@@ -22,7 +22,8 @@ struct AssembledAvatar {
 template <>
 struct StageOf<AssembledAvatar> {
     static constexpr StageName kName{"assemble", 2};
-    static constexpr const char* kPriors[] = {"input/cameras", "input/capture", "subject/garments", "subject/surface", "training/trainer"};
+    static constexpr const char* kPriors[] = {"input/cameras",   "input/capture",        "subject/garments",
+                                              "subject/surface", "training/correctives", "training/trainer"};
     static Status inputs(StageInputs& in);
     static Result<AssembledAvatar> compute(StageInputs& in);
 };

@@ -2,8 +2,10 @@
 #include "reconstruction/run/stage_co_optimise.h"
 
 #include <chrono>
+#include <cmath>
 #include <optional>
 
+#include "reconstruction/run/moved_start.h"
 #include "reconstruction/run/run_request.h"
 #include "reconstruction/run/settings_json.h"
 #include "reconstruction/run/stage_body_fit.h"
@@ -12,21 +14,28 @@
 #include "reconstruction/run/stage_register.h"
 #include "reconstruction/run/trained_file.h"
 #include "reconstruction/training/correctives/corrective_model.h"
+#include "reconstruction/training/correctives/motion_model.h"
 #include "reconstruction/training/trainer/train_images.h"
 #include "sdk/avatar/stress_poses.h"
 #include "sdk/core/files.h"
+#include "sdk/format/motion_modes.h"
 
 namespace dpl {
 namespace {
 
 constexpr uint32_t kProbeSteps = 60;
 
-Result<CoOptimiseInput> trainingInput(const FittedBody& body, const GarmentLayers& layers, std::vector<TrainFrame> frames) {
+Result<CoOptimiseInput> trainingInput(const FittedBody& body, const GarmentLayers& layers, bool withMotion,
+                                      std::vector<TrainFrame> frames) {
     CoOptimiseInput input;
     input.joints = body.shaped.joints;
     input.mesh = layers.clothed.mesh;
     input.triangleLabel = layers.clothed.triangleLabel;
     DPL_TRY(input.correctives, correctiveModel(input.joints, input.mesh, movingPoses(frames)));
+    if (withMotion && !input.correctives.empty()) {
+        DPL_TRY(MotionModeData motion, motionModel(input.joints, stillPoses(frames), movingPoses(frames)));
+        addMotionModes(input.correctives, std::move(motion));
+    }
     input.frames = std::move(frames);
     input.stress = stressPoses(input.joints);
     return input;
@@ -120,7 +129,11 @@ Status StageOf<Training>::make(StageInputs& in, StageContext& context) {
     (void)taskAt(0, "reading pictures");  // a stop is heard by the training, which leaves a checkpoint
     DPL_TRY(FrameSet set, registeredFrames(in, Split::Train));
     if (set.frames.empty()) return fail(Code::InvalidArgument, "no usable training frames");
-    DPL_TRY(CoOptimiseInput input, trainingInput(*body, *layers, std::move(set.frames)));
+    DPL_TRY(CoOptimiseInput input, trainingInput(*body, *layers, settings->training.learnMotion, std::move(set.frames)));
+    DPL_TRY(const MovedStart start, startMovedColumn(input, in.jobs()));
+    if (start.views > 0)
+        context.progress.detail(formatText("outlines of {} moving pictures: overlap {} before and {} after clothes have moved", start.views,
+                                           std::round(1e3 * start.iouBefore) / 1e3, std::round(1e3 * start.iouAfter) / 1e3));
     DPL_RETURN_IF_ERROR(train(std::move(input), *settings, in.jobs(), context));
     return dropCheckpoint();
 }

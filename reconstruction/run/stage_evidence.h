@@ -17,9 +17,9 @@ struct MeasuredParts {
 
 template <>
 struct StageOf<MeasuredParts> {
-    static constexpr StageName kName{"evidence", 11};
-    static constexpr const char* kPriors[] = {"input/cameras",    "input/capture",   "judging/evidence",
-                                              "subject/garments", "subject/surface", "training/trainer"};
+    static constexpr StageName kName{"evidence", 12};
+    static constexpr const char* kPriors[] = {"input/cameras",   "input/capture",        "judging/evidence", "subject/garments",
+                                              "subject/surface", "training/correctives", "training/trainer"};
     static Status inputs(StageInputs& in);
     static Status make(StageInputs& in, StageContext& context);
     static Result<MeasuredParts> read(StageInputs& in, const std::filesystem::path& folder);

@@ -14,7 +14,8 @@ struct Package {
 template <>
 struct StageOf<Package> {
     static constexpr StageName kName{"package", 7};
-    static constexpr const char* kPriors[] = {"input/cameras", "input/capture", "subject/garments", "subject/surface", "training/trainer"};
+    static constexpr const char* kPriors[] = {"input/cameras",   "input/capture",        "subject/garments",
+                                              "subject/surface", "training/correctives", "training/trainer"};
     static Status inputs(StageInputs& in);
     static Status make(StageInputs& in, StageContext& context);
     static Result<Package> read(StageInputs& in, const std::filesystem::path& folder);

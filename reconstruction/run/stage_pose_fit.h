@@ -17,7 +17,8 @@ struct FoundPoses {
 template <>
 struct StageOf<FoundPoses> {
     static constexpr StageName kName{"pose-fit", 8};
-    static constexpr const char* kPriors[] = {"input/cameras", "input/capture", "subject/garments", "subject/surface", "training/trainer"};
+    static constexpr const char* kPriors[] = {"input/cameras",   "input/capture",        "subject/garments",
+                                              "subject/surface", "training/correctives", "training/trainer"};
     static Status inputs(StageInputs& in);
     static Status make(StageInputs& in, StageContext& context);
     static Result<FoundPoses> read(StageInputs& in, const std::filesystem::path& folder);

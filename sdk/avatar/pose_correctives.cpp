@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "sdk/avatar/motion_state.h"
+
 namespace dpl {
 namespace {
 
@@ -11,10 +13,11 @@ namespace {
  * not wait for one another. */
 template <uint32_t kTogether>
 void sumModes(const PoseCorrectiveData& c, std::span<const float> coefficients, uint32_t first, std::vector<Vec4f>& nodes) {
-    const Vec4f* rows = c.nodes.data() + size_t(first) * c.modeCount;
+    const uint32_t columns = c.columnCount();
+    const Vec4f* rows = c.nodes.data() + size_t(first) * columns;
     Vec4f sums[kTogether]{};
-    for (uint32_t i = 0; i < c.modeCount; ++i)
-        for (uint32_t k = 0; k < kTogether; ++k) sums[k] += coefficients[i] * rows[size_t(k) * c.modeCount + i];
+    for (uint32_t i = 0; i < columns; ++i)
+        for (uint32_t k = 0; k < kTogether; ++k) sums[k] += coefficients[i] * rows[size_t(k) * columns + i];
     std::copy_n(sums, kTogether, nodes.data() + first);
 }
 
@@ -22,7 +25,7 @@ void sumModes(const PoseCorrectiveData& c, std::span<const float> coefficients, 
 
 CorrectiveDistance correctiveCoefficients(const PoseCorrectiveData& c, const Pose& pose, std::vector<float>& coefficients) {
     const size_t features = c.joints.size() * 6;
-    coefficients.assign(c.modeCount, 0.0f);
+    coefficients.assign(c.columnCount(), 0.0f);
     float away = 0;
     for (size_t j = 0; j < c.joints.size(); ++j) {
         float feature[6];
@@ -45,6 +48,11 @@ CorrectiveDistance correctiveCoefficients(const PoseCorrectiveData& c, const Pos
     if (distance.offModes > c.reachOffModes) keep *= c.reachOffModes / distance.offModes;
     if (keep < 1)
         for (float& k : coefficients) k *= keep;
+    if (!c.motion.empty()) {
+        MotionState settled;
+        settleMotion(c.motion, pose, settled);
+        motionCoefficients(c.motion, settled, std::span(coefficients).subspan(c.modeCount));
+    }
     return distance;
 }
 

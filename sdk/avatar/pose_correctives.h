@@ -25,7 +25,8 @@ struct CorrectiveDistance {
     float offModes = 0;  // distance of its features from the span of the modes
 };
 
-/** The K coefficients of a pose, shortened to `reach` and faded beyond `reachOffModes`. The pose must have passed checkPose. */
+/** The coefficients of a pose: K, shortened to `reach` and faded beyond `reachOffModes`; then K' of the motion modes, settled
+ *  (motion_state.h). The pose must have passed checkPose. */
 CorrectiveDistance correctiveCoefficients(const PoseCorrectiveData& correctives, const Pose& pose, std::vector<float>& coefficients);
 
 /** Values of the M control nodes for these coefficients: offset in metres (xyz), change of brightness (w). */

@@ -33,7 +33,7 @@ public:
     std::span<const Vec3f> rest() const { return moved_; }                     // V, rest positions with correctives, before skinning
     std::span<const float> light() const { return light_; }                    // V brightness factors; empty without correctives
     std::span<const Mat3x4f> worldFromRest() const { return worldFromRest_; }  // one per joint
-    std::span<const float> coefficients() const { return coefficients_; }      // K, of the correctives
+    std::span<const float> coefficients() const { return coefficients_; }      // K + K', of the correctives
     std::span<const Vec4f> nodes() const { return nodes_; }                    // M, of the correctives
 
 private:

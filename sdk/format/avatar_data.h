@@ -54,6 +54,37 @@ struct SplatData {
     uint32_t count() const { return uint32_t(uv.size()); }
 };
 
+/** Motion modes that are limited together, such as those of the legs. */
+struct MotionGroupData {
+    uint32_t columnCount = 0;  // K'_g
+    float reach = 1e6f;        // limit of the length of its coefficients, taken from far training poses
+};
+
+/** Motion modes: further columns of the pose correctives, driven by whether and how far the subject has moved away from the pose in which
+ * it stood still (docs/reference/correctives.md). Cloth that has moved does not fall back, so these are held with a leak. No groups: none.
+ *
+ *      angle_j = angle between joint j's local rotation and still_j;   D = sqrt(Σ_j angle_j²)
+ *      u       = [smoothstep(movedFrom, movedTo, D), min(max(angle_j − rest_j, 0), most_j) …]        1 + J inputs, 0 in the still pose
+ *      h       = max(h · exp(−dt / hold), u) for each hold; h = u for hold 0, and wherever no time is known
+ *      k'      = modes · h;   the coefficients of a group are shortened together to its reach */
+struct MotionModeData {
+    std::vector<MotionGroupData> groups;  // their columns follow one another
+    std::vector<uint32_t> joints;         // J: rising indices of the joints that count
+    std::vector<Vec4f> still;             // J: unit quaternion xyzw, local rotation in the still pose
+    std::vector<Vec2f> rangeRad;          // J: rest (no input within this angle of still) and most (largest input)
+    float movedFromRad = 0, movedToRad = 1;
+    std::vector<float> holdsS;  // time constants of the leaks, seconds; 0: settles at once
+    std::vector<float> modes;   // K' × holds × (1 + J), inputs of a hold in a row
+
+    bool empty() const { return groups.empty(); }
+    size_t inputCount() const { return 1 + joints.size(); }
+    uint32_t columnCount() const {  // K'
+        uint32_t count = 0;
+        for (const MotionGroupData& group : groups) count += group.columnCount;
+        return count;
+    }
+};
+
 /** Pose correctives: how the surface and its brightness follow the pose (docs/reference/correctives.md). M control nodes carry an offset
  *  and a brightness that are linear in K coefficients of the pose. Each vertex takes them from four nodes by weights. nodeCount 0: none.
  *
@@ -61,7 +92,8 @@ struct SplatData {
  *      k ← k · min(1, reach / ‖k‖) · min(1, reachOffModes / off);   node = Σ_i k_i · nodes[n][i];   (ΔV, L − 1)_v = Σ weight · node
  *
  *  The feature holds 6 numbers per joint of `joints`: the first two columns of its local rotation minus those of the identity. Modes are
- *  orthogonal, so `off` is the distance of the pose from their span. The correctives fade in poses that training did not see. */
+ *  orthogonal, so `off` is the distance of the pose from their span. The correctives fade in poses that training did not see. With motion
+ *  modes, k has K' further entries, and each node as many further values behind its K. */
 struct PoseCorrectiveData {
     uint32_t modeCount = 0, nodeCount = 0;  // K, M
     std::vector<uint32_t> joints;           // J: rising indices of the joints that the feature reads
@@ -71,9 +103,11 @@ struct PoseCorrectiveData {
     float reachOffModes = 1e6f;             // limit of `off`, taken from far training poses; 1e6: never fades
     std::vector<glm::u16vec4> nodeIndices;  // V
     std::vector<glm::u8vec4> nodeWeights;   // V, unorm8, each sums to 255
-    std::vector<Vec4f> nodes;               // M × K: offset in metres (rest pose), change of brightness
+    MotionModeData motion;                  // K' further columns
+    std::vector<Vec4f> nodes;               // M × (K + K'): offset in metres (rest pose), change of brightness
 
     bool empty() const { return nodeCount == 0; }
+    uint32_t columnCount() const { return modeCount + motion.columnCount(); }  // values of a node
 };
 
 /** One table row of the evidence: an optional part of the avatar, whether it was kept, and why. */

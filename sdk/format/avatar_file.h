@@ -15,7 +15,7 @@
 
 namespace dpl {
 
-constexpr uint32_t kAvatarFormatVersion = 2;    // newest version; avatars without pose correctives are written as version 1
+constexpr uint32_t kAvatarFormatVersion = 3;    // newest version; the writer takes the lowest that holds the avatar
 constexpr float kPositionStepM = 1.0f / 65536;  // vertices, joints and root translations are multiples of this: error ≤ 7.7 µm per axis
 constexpr float kPositionLimitM = 32;           // larger coordinates are refused: Draco is exact up to 22 bits
 
@@ -64,7 +64,7 @@ struct AvatarInfo {
     std::string contentHash;  // "xxh3:" and 16 hex digits
     bool hashMatches = false;
     uint32_t vertices = 0, triangles = 0, joints = 0, layers = 0, splats = 0, chunks = 0, clips = 0, shDegree = 0;
-    uint32_t correctiveModes = 0, correctiveNodes = 0;
+    uint32_t correctiveModes = 0, motionModes = 0, correctiveNodes = 0;
     float trainedPixelM = 0;     // as in AvatarData
     uint32_t shPaletteSize = 0;  // 0: every splat has its own SH
     uint32_t splatEncoding = 0;

@@ -11,8 +11,9 @@
 #include "sdk/format/content_hash.h"
 #include "sdk/format/correctives.h"
 #include "sdk/format/correctives_compact.h"
+#include "sdk/format/extension_fields.h"
 #include "sdk/format/gltf_model.h"
-#include "sdk/format/load_json.h"
+#include "sdk/format/motion_modes.h"
 #include "sdk/format/splat_codec.h"
 #include "sdk/format/vertex_colour.h"
 
@@ -20,70 +21,7 @@ namespace dpl {
 namespace {
 
 using Json = nlohmann::json;
-
-/** Typed access to the fields of the extension. The error names a field that is missing or of the wrong type. */
-class Fields {
-public:
-    Fields(const Json& object, std::string where) : object_(object), where_(std::move(where)) {}
-
-    Result<uint64_t> number(const char* key, uint64_t limit) const {
-        auto it = find(key);
-        if (it == object_.end() || !it->is_number_unsigned() || it->get<uint64_t>() > limit)
-            return fail(Code::CorruptData, "{}: '{}' is missing, negative or too large", where_, key);
-        return it->get<uint64_t>();
-    }
-    Result<float> real(const char* key) const {
-        auto it = find(key);
-        if (it == object_.end() || !it->is_number()) return fail(Code::CorruptData, "{}: '{}' is not a number", where_, key);
-        return it->get<float>();
-    }
-    Result<bool> flag(const char* key) const {
-        auto it = find(key);
-        if (it == object_.end() || !it->is_boolean()) return fail(Code::CorruptData, "{}: '{}' is not true or false", where_, key);
-        return it->get<bool>();
-    }
-    Result<std::string> text(const char* key) const {
-        auto it = find(key);
-        if (it == object_.end() || !it->is_string()) return fail(Code::CorruptData, "{}: '{}' is not a text", where_, key);
-        return it->get<std::string>();
-    }
-    Status mustBe(const char* key, const char* value) const {
-        DPL_TRY(const std::string found, text(key));
-        if (found != value) return fail(Code::Unsupported, "{}: '{}' is '{}', only '{}' is read", where_, key, found, value);
-        return {};
-    }
-    Result<const Json*> array(const char* key) const {
-        auto it = find(key);
-        if (it == object_.end() || !it->is_array()) return fail(Code::CorruptData, "{}: '{}' is not an array", where_, key);
-        for (const Json& element : *it)
-            if (!element.is_object()) return fail(Code::CorruptData, "{}: an entry of '{}' is not an object", where_, key);
-        return &*it;
-    }
-    /** An array of at most `most` whole numbers, each at most `limit`. */
-    Result<std::vector<uint32_t>> numbers(const char* key, size_t most, uint32_t limit) const {
-        auto it = find(key);
-        if (it == object_.end() || !it->is_array() || it->size() > most)
-            return fail(Code::CorruptData, "{}: '{}' is not an array of at most {} numbers", where_, key, most);
-        std::vector<uint32_t> out;
-        for (const Json& element : *it) {
-            if (!element.is_number_unsigned() || element.get<uint64_t>() > limit)
-                return fail(Code::CorruptData, "{}: an entry of '{}' is no number up to {}", where_, key, limit);
-            out.push_back(element.get<uint32_t>());
-        }
-        return out;
-    }
-    bool has(const char* key) const { return find(key) != object_.end(); }
-    Result<const Json*> object(const char* key) const {
-        auto it = find(key);
-        if (it == object_.end() || !it->is_object()) return fail(Code::CorruptData, "{}: '{}' is not an object", where_, key);
-        return &*it;
-    }
-
-private:
-    Json::const_iterator find(const char* key) const { return object_.is_object() ? object_.find(key) : object_.end(); }
-    const Json& object_;
-    std::string where_;
-};
+using Fields = ExtensionFields;
 
 struct AvatarReader {
     const ReadLimits& limits;
@@ -366,6 +304,29 @@ struct AvatarReader {
         return bits;
     }
 
+    Result<MotionModeData> readMotionModes(const Fields& correctives) {
+        MotionModeData head;
+        if (!correctives.has("motion")) return head;
+        if (info.version < 3) return fail(Code::CorruptData, "motion modes in a file of version {}, which has none", info.version);
+        DPL_TRY(const Json* object, correctives.object("motion"));
+        const Fields fields(*object, "motion");
+        DPL_TRY(const uint64_t encoding, fields.number("encoding", 0xffffffffu));
+        if (encoding != 1)
+            return fail(Code::Version, "motion mode encoding {}; this build reads 1: update Doppel or export again", encoding);
+        DPL_TRY(head.joints, fields.numbers("joints", kMaxMotionJoints, limits.maxJoints - 1));
+        DPL_TRY(head.movedFromRad, fields.real("movedFrom"));
+        DPL_TRY(head.movedToRad, fields.real("movedTo"));
+        DPL_TRY(head.holdsS, fields.reals("holds", kMaxMotionHolds));
+        DPL_TRY(const Json* streams, fields.object("streams"));
+        MotionStreams<std::span<const uint8_t>> in;
+        DPL_TRY(in.groups, stream(*streams, "groups"));
+        DPL_TRY(in.still, stream(*streams, "still"));
+        DPL_TRY(in.ranges, stream(*streams, "ranges"));
+        DPL_TRY(in.modes, stream(*streams, "modes"));
+        info.correctiveBytes += in.groups.size() + in.still.size() + in.ranges.size() + in.modes.size();
+        return decodeMotionModes(in, std::move(head));
+    }
+
     Status readCorrectives() {
         const Fields root(extension, "DPL_gaussian_avatar");
         if (!root.has("poseCorrectives")) return {};
@@ -385,6 +346,7 @@ struct AvatarReader {
         if (fields.has("reachOffModes")) {
             DPL_TRY(head.reachOffModes, fields.real("reachOffModes"));
         }
+        DPL_TRY(head.motion, readMotionModes(fields));
         DPL_TRY(const Json* streams, fields.object("streams"));
         CorrectiveStreams<std::span<const uint8_t>> in;
         DPL_TRY(in.mean, stream(*streams, "mean"));
@@ -394,13 +356,13 @@ struct AvatarReader {
         DPL_TRY(in.nodeIndices, stream(*streams, "nodeIndices"));
         DPL_TRY(in.nodeWeights, stream(*streams, "nodeWeights"));
         DPL_TRY(const auto coded, stream(*streams, "coded"));
-        info.correctiveBytes = in.mean.size() + in.modes.size() + in.ranges.size() + in.nodes.size() + in.nodeIndices.size() +
-                               in.nodeWeights.size() + coded.size();
+        info.correctiveBytes += in.mean.size() + in.modes.size() + in.ranges.size() + in.nodes.size() + in.nodeIndices.size() +
+                                in.nodeWeights.size() + coded.size();
         CorrectiveStreams<std::vector<uint8_t>> expanded;
         if (encoding == 2) {
             if (!in.nodes.empty() || !in.nodeIndices.empty() || !in.nodeWeights.empty())
                 return fail(Code::CorruptData, "pose corrective encoding 2 beside streams of encoding 1");
-            DPL_TRY(expanded, expandCorrectives(coded, head.modeCount, head.nodeCount, avatar.mesh.restPositions.size()));
+            DPL_TRY(expanded, expandCorrectives(coded, head.columnCount(), head.nodeCount, avatar.mesh.restPositions.size()));
             in.nodes = expanded.nodes, in.nodeIndices = expanded.nodeIndices, in.nodeWeights = expanded.nodeWeights;
         } else if (!coded.empty()) {
             return fail(Code::CorruptData, "a stream of pose corrective encoding 2 in encoding 1");
@@ -467,7 +429,8 @@ struct AvatarReader {
                 if (chunk.firstTriangle - layer.firstTriangle < layer.triangleCount) entry.splats += chunk.splatCount;
             info.layerList.push_back(std::move(entry));
         }
-        info.correctiveModes = avatar.correctives.modeCount, info.correctiveNodes = avatar.correctives.nodeCount;
+        info.correctiveModes = avatar.correctives.modeCount, info.motionModes = avatar.correctives.motion.columnCount();
+        info.correctiveNodes = avatar.correctives.nodeCount;
         const uint64_t known = info.meshBytes + info.splatBytes + info.shBytes + info.correctiveBytes + info.captureMapBytes +
                                info.clipBytes + info.skinBytes + info.jsonBytes;
         info.otherBytes = info.fileBytes - std::min(known, info.fileBytes);

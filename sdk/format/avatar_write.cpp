@@ -8,11 +8,27 @@
 #include "sdk/format/correctives.h"
 #include "sdk/format/correctives_compact.h"
 #include "sdk/format/glb_builder.h"
+#include "sdk/format/motion_modes.h"
 #include "sdk/format/skinned_mesh_write.h"
 #include "sdk/format/splat_codec.h"
 
 namespace dpl {
 namespace {
+
+Json motionModes(GlbBuilder& glb, const MotionModeData& m) {
+    const auto streams = encodeMotionModes(m);
+    Json out = {{"encoding", 1}, {"joints", m.joints}, {"movedFrom", m.movedFromRad}, {"movedTo", m.movedToRad}, {"holds", m.holdsS}};
+    out["streams"] = {{"groups", glb.addView(streams.groups)},
+                      {"still", glb.addView(streams.still)},
+                      {"ranges", glb.addView(streams.ranges)},
+                      {"modes", glb.addView(streams.modes)}};
+    return out;
+}
+
+/** The lowest version that can hold the avatar. Readers of a lower one would ignore a part and draw a wrong surface. */
+uint32_t versionOf(const AvatarData& a) {
+    return a.correctives.empty() ? 1 : a.correctives.motion.empty() ? 2 : 3;
+}
 
 Json poseCorrectives(GlbBuilder& glb, const PoseCorrectiveData& c, bool compact) {
     auto streams = encodeCorrectives(c);
@@ -31,6 +47,7 @@ Json poseCorrectives(GlbBuilder& glb, const PoseCorrectiveData& c, bool compact)
     };
     stream("mean", streams.mean), stream("modes", streams.modes), stream("ranges", streams.ranges), stream("nodes", streams.nodes);
     stream("nodeIndices", streams.nodeIndices), stream("nodeWeights", streams.nodeWeights), stream("coded", coded);
+    if (!c.motion.empty()) out["motion"] = motionModes(glb, c.motion);
     return out;
 }
 
@@ -60,8 +77,7 @@ Json splatsOf(GlbBuilder& glb, const AvatarData& a, const CodedSplats& coded, bo
 }
 
 Json avatarExtension(GlbBuilder& glb, const AvatarData& a, const CodedSplats& coded, bool compact) {
-    // The lowest version that can hold the avatar. Readers of version 1 would ignore correctives and draw a wrong surface.
-    Json ours = {{"version", a.correctives.empty() ? 1 : kAvatarFormatVersion},
+    Json ours = {{"version", versionOf(a)},
                  {"name", a.name},
                  {"contentHash", "xxh3:0000000000000000"},
                  {"units", "metre"},

@@ -78,12 +78,12 @@ std::vector<uint8_t> compactCorrectives(const CorrectiveStreams<std::vector<uint
     return writer.finish();
 }
 
-Result<CorrectiveStreams<std::vector<uint8_t>>> expandCorrectives(std::span<const uint8_t> coded, uint32_t modeCount, uint32_t nodeCount,
+Result<CorrectiveStreams<std::vector<uint8_t>>> expandCorrectives(std::span<const uint8_t> coded, uint32_t columnCount, uint32_t nodeCount,
                                                                   size_t vertexCount) {
-    const size_t count = size_t(modeCount) * nodeCount * 4;
+    const size_t count = size_t(columnCount) * nodeCount * 4;
     // The lower byte of each value is stored uncoded, so fewer bytes cannot be enough.
     if (nodeCount == 0 || coded.size() < count)
-        return fail(Code::CorruptData, "{} coded bytes do not hold {} nodes of {} modes", coded.size(), nodeCount, modeCount);
+        return fail(Code::CorruptData, "{} coded bytes do not hold {} nodes of {} modes", coded.size(), nodeCount, columnCount);
     DPL_TRY(EntropyReader reader, EntropyReader::open(coded, kAlphabets));
     CorrectiveStreams<std::vector<uint8_t>> out;
     std::vector<uint16_t> indices(vertexCount * 4), values(count);

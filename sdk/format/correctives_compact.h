@@ -14,8 +14,9 @@ namespace dpl {
 /** Entropy-codes `nodes`, `nodeIndices` and `nodeWeights` of streams from encodeCorrectives (sdk/format/entropy.h). */
 std::vector<uint8_t> compactCorrectives(const CorrectiveStreams<std::vector<uint8_t>>& streams, uint32_t nodeCount);
 
-/** Restores these three streams; the others stay empty. Checks lengths before it allocates. */
-Result<CorrectiveStreams<std::vector<uint8_t>>> expandCorrectives(std::span<const uint8_t> coded, uint32_t modeCount, uint32_t nodeCount,
+/** Restores these three streams; the others stay empty. columnCount: values of a node, as PoseCorrectiveData::columnCount(). Checks lengths
+ * before it allocates. */
+Result<CorrectiveStreams<std::vector<uint8_t>>> expandCorrectives(std::span<const uint8_t> coded, uint32_t columnCount, uint32_t nodeCount,
                                                                   size_t vertexCount);
 
 }  // namespace dpl

@@ -63,7 +63,7 @@ void moveBy(const PoseCorrectiveData& c, uint32_t mode, std::vector<Vec3f>& move
     moved.assign(c.nodeWeights.size(), Vec3f(0));
     for (size_t v = 0; v < moved.size(); ++v)
         for (int k = 0; k < 4; ++k)
-            moved[v] += float(c.nodeWeights[v][k]) * (1.0f / 255) * Vec3f(c.nodes[size_t(c.nodeIndices[v][k]) * c.modeCount + mode]);
+            moved[v] += float(c.nodeWeights[v][k]) * (1.0f / 255) * Vec3f(c.nodes[size_t(c.nodeIndices[v][k]) * c.columnCount() + mode]);
 }
 
 bool addsUp(const std::vector<glm::u8vec4>& weights) {
@@ -174,7 +174,7 @@ Components::Components(const AvatarData& avatar, const ComponentMap& map, std::s
         }
     }
     std::vector<Vec3f> moved;
-    for (uint32_t m = 0; m < avatar.correctives.modeCount; ++m) {
+    for (uint32_t m = 0; m < avatar.correctives.columnCount(); ++m) {
         moveBy(avatar.correctives, m, moved);
         for (Component& c : components_) c.modes.push_back({});
         for (size_t t = 0; t < mesh.triangles.size(); ++t) {

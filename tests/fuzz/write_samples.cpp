@@ -39,6 +39,8 @@ int main(int argc, char** argv) {
                                 {.draco = false, .shPalette = true, .compact = true, .bits = {6, 5, 6, 4, 6}}));
     ok &= save(folder / "correctives.glb", dpl::writeAvatar(dpl::test::tinyCorrectedAvatar()));
     ok &= save(folder / "correctives_plain.glb", dpl::writeAvatar(dpl::test::tinyCorrectedAvatar(), {.draco = false}));
+    ok &= save(folder / "motion.glb", dpl::writeAvatar(dpl::test::tinyMovingAvatar()));
+    ok &= save(folder / "motion_plain.glb", dpl::writeAvatar(dpl::test::tinyMovingAvatar(), {.draco = false, .compact = true}));
     dpl::AvatarData mapped = dpl::test::tinyAvatar();
     mapped.captureMap = dpl::test::sampleCaptureMap(mapped.joints.size());
     ok &= save(folder / "capture_map_plain.glb", dpl::writeAvatar(mapped, {.draco = false}));

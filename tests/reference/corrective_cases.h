@@ -46,8 +46,8 @@ inline AvatarData riggedBlob(uint32_t seed, uint32_t joints) {
     return a;
 }
 
-/** riggedBlob with humanoid bones and two layers, so that it has several components. Splats are millimetres large. overshooting: every
- * third splat has its centre off its triangle. */
+/** riggedBlob with humanoid bones and two layers, so that it has several components. Splats are millimetres
+ * large. overshooting: every third splat has its centre off its triangle. */
 inline AvatarData randomPerson(uint32_t seed, bool corrected, bool overshooting) {
     AvatarData a = riggedBlob(seed, 9);
     constexpr const char* kBones[] = {"hips", "spine", "neck", "head", "leftHand", "rightHand", "leftUpperLeg", "rightUpperLeg", ""};
@@ -108,6 +108,8 @@ constexpr std::array kCorrectiveCases = {
                    true,
                    false},
     CorrectiveCase{"brightness clamped both ways", 17, {.modes = 5, .light = 4, .reach = 3}, true, false, true},
+    CorrectiveCase{"motion modes", 9, {.modes = 4, .nodes = 60, .light = 0.1f, .reach = 1e5f, .motion = 5}, false, false, false},
+    CorrectiveCase{"motion modes do not fade", 17, {.modes = 7, .light = 0.1f, .reach = 0.3f, .motion = 3}, true, false, false},
     CorrectiveCase{
         "offsets of a millimetre", 17, {.modes = 12, .nodes = 200, .offsetM = 4e-4f, .light = 1e-3f, .reach = 3.25f}, true, false, false},
 };
@@ -147,7 +149,7 @@ inline void expectCorrectivesMatch(const char* renderer, const CorrectedVertices
         const auto streams = encodeCorrectives(trained.correctives);
         PoseCorrectiveData head;
         head.joints = trained.correctives.joints, head.modeCount = c.options.modes, head.nodeCount = c.options.nodes;
-        head.reach = c.options.reach, head.reachOffModes = c.options.reachOffModes;
+        head.reach = c.options.reach, head.reachOffModes = c.options.reachOffModes, head.motion = trained.correctives.motion;
         const auto decoded =
             decodeCorrectives({streams.mean, streams.modes, streams.ranges, streams.nodes, streams.nodeIndices, streams.nodeWeights}, head,
                               trained.mesh.restPositions.size());
@@ -176,7 +178,8 @@ inline void expectCorrectivesMatch(const char* renderer, const CorrectedVertices
             free.reachOffModes = 1e6f;
             const auto lengthOf = [&](const PoseCorrectiveData& data) {
                 double sum = 0;
-                for (const double k : referenceCoefficients(data, pose)) sum += k * k;
+                const std::vector<double> all = referenceCoefficients(data, pose);
+                for (size_t i = 0; i < data.modeCount; ++i) sum += all[i] * all[i];
                 return std::sqrt(sum);
             };
             const double whole = lengthOf(free);

@@ -6,17 +6,19 @@
 #include <nlohmann/json.hpp>
 
 #include "sdk/core/files.h"
+#include "sdk/format/motion_modes.h"
 #include "sdk/math/sh.h"
 
 namespace dpl {
 namespace {
 
-constexpr std::array<const char*, 3> kPartNames{"corrective-offsets", "corrective-light", "view-dependent-colour"};
+constexpr std::array<const char*, 4> kPartNames{"corrective-offsets", "corrective-light", "motion", "view-dependent-colour"};
 
 }  // namespace
 
 bool hasPart(const AvatarData& avatar, AvatarPart part) {
     if (part == AvatarPart::ViewDependentColour) return avatar.splats.shDegree > 0;
+    if (part == AvatarPart::MotionModes) return !avatar.correctives.motion.empty();
     const auto& nodes = avatar.correctives.nodes;
     return std::any_of(nodes.begin(), nodes.end(),
                        [&](const Vec4f& n) { return part == AvatarPart::CorrectiveLight ? n.w != 0 : Vec3f(n) != Vec3f(0); });
@@ -31,6 +33,7 @@ void removePart(AvatarData& avatar, AvatarPart part) {
         s.sh = std::move(dc), s.shDegree = 0;
         return;
     }
+    if (part == AvatarPart::MotionModes) return dropMotionModes(avatar.correctives);
     for (Vec4f& node : avatar.correctives.nodes) {
         if (part == AvatarPart::CorrectiveLight)
             node.w = 0;

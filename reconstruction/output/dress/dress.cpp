@@ -228,7 +228,7 @@ Result<Dressed> dressAvatar(const NamedAvatar& wearer, std::span<const Garment> 
             return fail(Code::Unsupported, "{} has as many nodes of pose correctives as a file can hold; reconstruct it at a lower preset",
                         wearer.file);
         ++correctives.nodeCount;
-        correctives.nodes.resize(size_t(correctives.nodeCount) * correctives.modeCount, Vec4f(0));
+        correctives.nodes.resize(size_t(correctives.nodeCount) * correctives.columnCount(), Vec4f(0));
     }
     size_t newTriangles = 0;
     for (size_t i = 0; i < inOrder.size(); ++i) {

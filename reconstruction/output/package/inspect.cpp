@@ -116,7 +116,8 @@ Result<Inspection> inspectAsText(const std::filesystem::path& path) {
                       (info.shPaletteSize ? formatText(" from a palette of {}", info.shPaletteSize) : std::string()) + entropyCoded(info),
                       info.vertices, info.triangles, info.layers, info.joints, info.clips);
     if (info.correctiveNodes)
-        out.insert(out.size() - 1, formatText("pose correctives: {} nodes, {} modes\n", info.correctiveNodes, info.correctiveModes));
+        out.insert(out.size() - 1, formatText("pose correctives: {} nodes, {} modes, {} motion modes\n", info.correctiveNodes,
+                                              info.correctiveModes, info.motionModes));
     std::string layers;
     for (const LayerInfo& layer : info.layerList)
         layers += formatText("{}{} ({}, {} triangles, {} splats)", layers.empty() ? "layers: " : ", ", layer.name, layer.role,
@@ -176,7 +177,8 @@ Result<Inspection> inspectAsJson(const std::filesystem::path& path) {
                                   {"joints", info.joints},
                                   {"clips", info.clips},
                                   {"corrective_nodes", info.correctiveNodes},
-                                  {"corrective_modes", info.correctiveModes}};
+                                  {"corrective_modes", info.correctiveModes},
+                                  {"motion_modes", info.motionModes}};
     for (const LayerInfo& layer : info.layerList)
         out["layer_list"].push_back({{"name", layer.name}, {"role", layer.role}, {"triangles", layer.triangles}, {"splats", layer.splats}});
     for (const ClipInfo& clip : info.clipList) out["clip_list"].push_back({{"name", clip.name}, {"duration_s", clip.durationS}});

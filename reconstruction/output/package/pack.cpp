@@ -101,13 +101,14 @@ uint32_t ownPalette(const SplatData& s) {
     return different <= kMaxShPalette && different * 2 < s.count() ? uint32_t(different) : 0;
 }
 
-/** Modes sorted by the sum of squares of their nodes' offsets and brightness, strongest first. */
+/** Modes of the pose sorted by the sum of squares of their nodes' offsets and brightness, strongest first. */
 std::vector<uint32_t> modesByStrength(const PoseCorrectiveData& c) {
     constexpr double kMetresOfLight = 0.05;  // a change of brightness by 1 counts like an offset of 5 cm
     std::vector<double> strength(c.modeCount, 0.0);
     for (size_t e = 0; e < c.nodes.size(); ++e) {
+        if (e % c.columnCount() >= c.modeCount) continue;
         const Vec4d n(c.nodes[e]);
-        strength[e % c.modeCount] += n.x * n.x + n.y * n.y + n.z * n.z + kMetresOfLight * kMetresOfLight * n.w * n.w;
+        strength[e % c.columnCount()] += n.x * n.x + n.y * n.y + n.z * n.z + kMetresOfLight * kMetresOfLight * n.w * n.w;
     }
     std::vector<uint32_t> order(c.modeCount);
     std::iota(order.begin(), order.end(), 0u);
@@ -115,6 +116,7 @@ std::vector<uint32_t> modesByStrength(const PoseCorrectiveData& c) {
     return order;
 }
 
+/** Motion modes stay as long as any mode does. */
 void keepModes(PoseCorrectiveData& c, const std::vector<uint32_t>& order, uint32_t count) {
     if (count == 0) {
         c = {};
@@ -139,8 +141,9 @@ void keepModes(PoseCorrectiveData& c, const std::vector<uint32_t>& order, uint32
         }
     }
     out.reachOffModes = float(std::min(std::sqrt(off2), double(PoseCorrectiveData().reachOffModes)));
+    for (uint32_t i = c.modeCount; i < c.columnCount(); ++i) kept.push_back(i);
     for (uint32_t n = 0; n < c.nodeCount; ++n)
-        for (const uint32_t i : kept) out.nodes.push_back(c.nodes[size_t(n) * c.modeCount + i]);
+        for (const uint32_t i : kept) out.nodes.push_back(c.nodes[size_t(n) * c.columnCount() + i]);
     c = std::move(out);
 }
 

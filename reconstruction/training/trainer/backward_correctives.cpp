@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "sdk/avatar/motion_state.h"
+
 namespace dpl {
 
 void gatherNodes(const PoseCorrectiveData& c, std::span<const Vec4f> nodes, std::span<const Vec3f> gRest, std::span<const float> gLight,
@@ -25,7 +27,7 @@ void gatherNodes(const PoseCorrectiveData& c, std::span<const Vec4f> nodes, std:
 
 void addCorrectivePoseGradient(const PoseCorrectiveData& c, const Pose& pose, std::span<const Vec4f> gNodes, std::span<Vec3d> rotation) {
     const size_t features = c.joints.size() * 6;
-    std::vector<double> k(c.modeCount, 0.0), gk(c.modeCount, 0.0), onMode(c.modeCount, 0.0), column(features), away(features);
+    std::vector<double> k(c.modeCount, 0.0), gk(c.columnCount(), 0.0), onMode(c.modeCount, 0.0), column(features), away(features);
     double off2 = 0;
     for (size_t j = 0; j < c.joints.size(); ++j) {
         correctiveFeature(Quatd(pose.localRotations[c.joints[j]]), column.data() + j * 6);
@@ -33,9 +35,10 @@ void addCorrectivePoseGradient(const PoseCorrectiveData& c, const Pose& pose, st
         for (uint32_t i = 0; i < c.modeCount; ++i)
             for (size_t f = j * 6; f < j * 6 + 6; ++f) k[i] += double(c.modes[i * features + f]) * away[f];
     }
+    for (uint32_t i = 0; i < c.columnCount(); ++i)
+        for (uint32_t n = 0; n < c.nodeCount; ++n) gk[i] += double(glm::dot(gNodes[n], c.nodes[size_t(n) * c.columnCount() + i]));
     double length2 = 0, along = 0;
     for (uint32_t i = 0; i < c.modeCount; ++i) {
-        for (uint32_t n = 0; n < c.nodeCount; ++n) gk[i] += double(glm::dot(gNodes[n], c.nodes[size_t(n) * c.modeCount + i]));
         double mode2 = 0;
         for (size_t f = 0; f < features; ++f) mode2 += double(c.modes[i * features + f]) * double(c.modes[i * features + f]);
         onMode[i] = mode2 > 0 ? k[i] / mode2 : 0.0;
@@ -51,8 +54,9 @@ void addCorrectivePoseGradient(const PoseCorrectiveData& c, const Pose& pose, st
     if (const double off = std::sqrt(std::max(0.0, off2)); off > double(c.reachOffModes)) {
         const double fade = double(c.reachOffModes) / off;
         gOff2 = -0.5 * fade / off2 * shortened * along;
-        for (double& g : gk) g *= fade;
+        for (uint32_t i = 0; i < c.modeCount; ++i) gk[i] *= fade;
     }
+    if (!c.motion.empty()) addSettledMotionGradient(c.motion, pose, std::span(gk).subspan(c.modeCount), rotation);
     for (size_t j = 0; j < c.joints.size(); ++j) {
         double g[6] = {};
         for (uint32_t i = 0; i < c.modeCount; ++i)

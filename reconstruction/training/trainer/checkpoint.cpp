@@ -15,7 +15,7 @@
 namespace dpl {
 namespace {
 
-constexpr uint32_t kMagic = 0x544C5044, kVersion = 4;
+constexpr uint32_t kMagic = 0x544C5044, kVersion = 5;
 
 /** True when all `count` values are finite. Integers always are. */
 template <class Number>

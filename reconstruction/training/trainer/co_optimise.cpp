@@ -27,9 +27,9 @@ double millisecondsSince(std::chrono::steady_clock::time_point start) {
     return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
 }
 
-/** Floats in a node's Adam row: four for each mode, padded to a multiple of eight. */
+/** Floats in a node's Adam row: four for each column, padded to a multiple of eight. */
 uint32_t nodeStride(const PoseCorrectiveData& c) {
-    return (c.modeCount * 4 + 7) / 8 * 8;
+    return (c.columnCount() * 4 + 7) / 8 * 8;
 }
 
 bool finite(const Vec3f& v) {
@@ -152,7 +152,9 @@ void CoOptimiser::State::start(TrainableSplats splats) {
     layer.splats = std::move(splats);
     layer.adam.resize(layer.splats.count(), layer.splats.stride);
     layer.statistics.resize(layer.splats.count());
-    if (!layer.correctives.empty()) layer.adamNodes.resize(layer.correctives.nodeCount, nodeStride(layer.correctives));
+    if (layer.correctives.empty()) return;
+    layer.adamNodes.resize(layer.correctives.nodeCount, nodeStride(layer.correctives));
+    if (!layer.correctives.motion.empty()) motionBounds.emplace(input.joints, mesh, layer.correctives);
 }
 
 CoOptimiser::CoOptimiser(std::unique_ptr<State> state) : state_(std::move(state)) {}
@@ -219,7 +221,8 @@ Status CoOptimiser::State::stepOnce() {
         const auto& g = pass.restGradient();
         for (size_t v = 0; v < g.size(); ++v) layer.restGradientSum[v] += g[v];
         for (size_t v = 0; v < collisionGradient.size(); ++v) layer.restGradientSum[v] += collisionGradient[v];
-        for (size_t v = 0; v < stressGradient.size(); ++v) layer.restGradientSum[v] += stressGradient[v];
+        if (layer.correctives.motion.empty())
+            for (size_t v = 0; v < stressGradient.size(); ++v) layer.restGradientSum[v] += stressGradient[v];
         if (++layer.restGradientCount >= settings.geometryEvery) updateOffsets();
     }
     if (learnsCorrectives()) updateCorrectives();
@@ -335,6 +338,11 @@ void CoOptimiser::State::applyOffsets() {
     restTriangles(mesh, jobs, restNow);
 }
 
+Vec4f CoOptimiser::State::startOf(uint32_t node, uint32_t column) const {
+    const PoseCorrectiveData& c = input.correctives;
+    return node < c.nodeCount ? c.nodes[size_t(node) * c.columnCount() + column] : Vec4f(0);  // a node for bare vertices came later
+}
+
 void CoOptimiser::State::updateCorrectives() {
     PoseCorrectiveData& c = learned.layer.correctives;
     AdamRows& adamNodes = learned.layer.adamNodes;
@@ -346,18 +354,27 @@ void CoOptimiser::State::updateCorrectives() {
         gatherNodes(c, pass.posed().nodes(), collisionGradient, noLight, gCollision);
         for (size_t n = 0; n < gNodes.size(); ++n) gNodes[n] += gCollision[n];
     }
-    const uint32_t stride = adamNodes.stride;
+    // In a stress pose other correctives have faded, but motion modes act in full. They alone answer for it: the rest shape is the still
+    // one.
+    std::vector<Vec4f> gStress;
+    if (!stressGradient.empty() && !c.motion.empty()) {
+        const std::vector<float> noLight(stressGradient.size(), 0.0f);
+        gatherNodes(c, stressed.nodes(), stressGradient, noLight, gStress);
+    }
+    const uint32_t columns = c.columnCount(), stride = adamNodes.stride;
     std::vector<float> rate(stride, 0.0f), values(size_t(c.nodeCount) * stride, 0.0f), gradients(values.size(), 0.0f);
     std::vector<uint8_t> active(c.nodeCount, 0);
     const float fall = decay(settings.endNodes);
-    for (uint32_t i = 0; i < c.modeCount * 4; ++i) rate[i] = fall * (i % 4 == 3 ? settings.rateNodeLight : settings.rateNodeOffset);
+    for (uint32_t i = 0; i < columns * 4; ++i) rate[i] = fall * (i % 4 == 3 ? settings.rateNodeLight : settings.rateNodeOffset);
     for (uint32_t n = 0; n < c.nodeCount; ++n) {
-        const Vec4f& g = gNodes[n];
-        if (g == Vec4f(0) || !std::isfinite(g.x + g.y + g.z + g.w)) continue;
+        const Vec4f &g = gNodes[n], stress = gStress.empty() ? Vec4f(0) : gStress[n];
+        const Vec4f both = g + stress;
+        if ((g == Vec4f(0) && stress == Vec4f(0)) || !std::isfinite(both.x + both.y + both.z + both.w)) continue;
         active[n] = 1;
-        for (uint32_t i = 0; i < c.modeCount; ++i) {
-            const Vec4f& value = c.nodes[size_t(n) * c.modeCount + i];
-            const Vec4f gradient = k[i] * g;
+        for (uint32_t i = 0; i < columns; ++i) {
+            const Vec4f& value = c.nodes[size_t(n) * columns + i];
+            Vec4f gradient = k[i] * g;
+            if (i >= c.modeCount && !gStress.empty()) gradient += stressed.coefficients()[i] * stress;
             for (uint32_t a = 0; a < 4; ++a)
                 values[n * stride + i * 4 + a] = value[int(a)], gradients[n * stride + i * 4 + a] = gradient[int(a)];
         }
@@ -366,8 +383,12 @@ void CoOptimiser::State::updateCorrectives() {
     adamNodes.update(0, c.nodeCount, active, gradients, rate, values);
     for (uint32_t n = 0; n < c.nodeCount; ++n)
         if (active[n])
-            for (uint32_t i = 0; i < c.modeCount; ++i)
-                for (uint32_t a = 0; a < 4; ++a) c.nodes[size_t(n) * c.modeCount + i][int(a)] = keep * values[n * stride + i * 4 + a];
+            for (uint32_t i = 0; i < columns; ++i)
+                for (uint32_t a = 0; a < 4; ++a) {
+                    const float start = startOf(n, i)[int(a)];
+                    c.nodes[size_t(n) * columns + i][int(a)] = start + keep * (values[n * stride + i * 4 + a] - start);
+                }
+    if (motionBounds) motionBounds->apply(c);
 }
 
 CurvePoint CoOptimiser::State::recentPoint() const {

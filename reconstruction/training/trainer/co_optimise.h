@@ -47,6 +47,7 @@ struct CoOptimiseSettings {
     bool learnGeometry = true;
     bool learnPoses = true;
     bool learnCorrectives = true;
+    bool learnMotion = true;  // false: the stage makes no motion modes
     bool densify = true;
     bool learnPlacement = true;       // uv and φ; off in polish
     bool fullResolutionOnly = false;  // no progressive levels

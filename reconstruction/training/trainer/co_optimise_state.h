@@ -7,6 +7,7 @@
 #include "reconstruction/subject/shape/large_steps.h"
 #include "reconstruction/training/trainer/garment_collision.h"
 #include "reconstruction/training/trainer/learned.h"
+#include "reconstruction/training/trainer/motion_bounds.h"
 
 namespace dpl {
 
@@ -25,6 +26,7 @@ struct CoOptimiser::State {
     std::optional<MeshRegulariser> meshRegulariser;
     std::optional<LargeSteps> largeSteps;
     std::optional<GarmentCollision> collision;
+    std::optional<MotionBounds> motionBounds;  // none without motion modes
     std::vector<uint32_t> usedFrames;
     std::vector<uint64_t> pictureHashes;  // of every frame its image, its mask and its labels
     bool onlyMoving = false;              // no still frame is used
@@ -38,7 +40,7 @@ struct CoOptimiser::State {
     std::vector<uint32_t> order;
     uint64_t orderEpoch = ~0ull;
     std::vector<Vec3f> collisionGradient;  // of this step, on rest positions; empty in steps without
-    std::vector<Vec3f> stressGradient;     // the same in a stress pose, for offsets only: what pictures say of correctives is far from it
+    std::vector<Vec3f> stressGradient;     // the same in a stress pose, for offsets or, where there are motion modes, for these
     PosedMesh stressed;                    // the subject in one of input.stress
     FramePass pass;
     StepProfile profile;
@@ -62,6 +64,8 @@ struct CoOptimiser::State {
     void hashPicture(const FramePicture& picture);
     void updateOffsets();
     void updateCorrectives();
+    /** What a value of a node started at, and decays to. */
+    Vec4f startOf(uint32_t node, uint32_t column) const;
     float decay(float end) const;
     CurvePoint recentPoint() const;
     std::string told() const;      // for people: how far it is

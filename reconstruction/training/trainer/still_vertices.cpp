@@ -10,7 +10,7 @@ void holdBareVertices(const MeshData& mesh, const TrainableSplats& splats, PoseC
         for (int k = 0; k < 3; ++k) carries[mesh.triangles[triangle][k]] = 1;
     const auto zeroNode = uint16_t(c.nodeCount);
     ++c.nodeCount;
-    c.nodes.resize(size_t(c.nodeCount) * c.modeCount, Vec4f(0));
+    c.nodes.resize(size_t(c.nodeCount) * c.columnCount(), Vec4f(0));
     const size_t body = mesh.layers.empty() ? carries.size() : mesh.layers.front().vertexCount;
     for (size_t v = 0; v < body; ++v)
         if (!carries[v]) c.nodeIndices[v] = glm::u16vec4(zeroNode), c.nodeWeights[v] = {255, 0, 0, 0};

@@ -63,6 +63,13 @@ std::vector<Pose> movingPoses(std::span<const TrainFrame> frames) {
     return poses;
 }
 
+std::vector<Pose> stillPoses(std::span<const TrainFrame> frames) {
+    std::vector<Pose> poses;
+    for (const TrainFrame& f : frames)
+        if (f.kind != FrameKind::Dynamic) poses.push_back(f.pose);
+    return poses;
+}
+
 Result<std::shared_ptr<const FramePicture>> checkedPicture(const TrainFrame& f) {
     const uint32_t w = f.camera.widthPx, h = f.camera.heightPx;
     if (w == 0 || h == 0 || !(f.camera.fx > 0) || !(f.camera.fy > 0))

@@ -13,6 +13,8 @@ namespace dpl {
 
 /** The poses of the moving frames, in their order. */
 std::vector<Pose> movingPoses(std::span<const TrainFrame> frames);
+/** The poses of the others. */
+std::vector<Pose> stillPoses(std::span<const TrainFrame> frames);
 
 /** Variance of the low-pass that avatars are trained and drawn with, in pixels² of the target at every scale. 1/12 is the variance of a
  *  pixel's square, so a drawing is close to the area average of a larger drawing. With a wider low-pass (0.3 px² is common) splats learn to

@@ -3,6 +3,7 @@
 // match. Skinning is written out here because finite differences need poses in double precision.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <vector>
 
@@ -41,8 +42,35 @@ inline Mat3d turnMatrix(const Vec3d& w) {
     return angle > 0 ? glm::mat3_cast(glm::angleAxis(angle, w / angle)) : Mat3d(1);
 }
 
-/** Offset (metres) and change of brightness of every vertex (docs/reference/correctives.md): k = modes·(first two columns of R − identity −
- *  mean), limited by reach and reachOffModes, distributed by node weights. */
+/** The coefficients of the motion modes, settled: angles by the traces of R·Sᵀ. */
+inline std::vector<double> motionOf(const MotionModeData& m, const std::vector<Mat3d>& local) {
+    std::vector<double> inputs{0}, k;
+    double distance2 = 0;
+    for (size_t j = 0; j < m.joints.size(); ++j) {
+        const Vec4f& q = m.still[j];
+        const Mat3d turn = local[m.joints[j]] * glm::transpose(glm::mat3_cast(Quatd(q.w, q.x, q.y, q.z)));
+        const double angle = std::acos(0.5 * (turn[0][0] + turn[1][1] + turn[2][2] - 1));
+        distance2 += angle * angle;
+        inputs.push_back(std::clamp(angle - double(m.rangeRad[j].x), 0.0, double(m.rangeRad[j].y)));
+    }
+    const double from = double(m.movedFromRad), to = double(m.movedToRad);
+    const double t = std::clamp((std::sqrt(distance2) - from) / (to - from), 0.0, 1.0);
+    inputs[0] = t * t * (3 - 2 * t);
+    const float* mode = m.modes.data();
+    for (const MotionGroupData& g : m.groups) {
+        double length2 = 0;
+        for (uint32_t c = 0; c < g.columnCount; ++c) {
+            k.push_back(0);
+            for (size_t i = 0; i < m.holdsS.size() * inputs.size(); ++i) k.back() += double(*mode++) * inputs[i % inputs.size()];
+            length2 += k.back() * k.back();
+        }
+        for (size_t c = 1; c <= g.columnCount && length2 > 0; ++c) k[k.size() - c] *= std::min(1.0, double(g.reach) / std::sqrt(length2));
+    }
+    return k;
+}
+
+/** Offset (metres) and change of brightness of every vertex, motion modes included (docs/reference/correctives.md): k = modes·(first two
+ * columns of R − identity − mean), limited by reach and reachOffModes, distributed by node weights. */
 inline std::vector<glm::dvec4> correction(const DoubleScene& s, const std::vector<Mat3d>& local) {
     const PoseCorrectiveData& c = s.correctives;
     std::vector<glm::dvec4> out(s.rest.size(), glm::dvec4(0));
@@ -70,11 +98,14 @@ inline std::vector<glm::dvec4> correction(const DoubleScene& s, const std::vecto
     }
     double shorten = std::min(1.0, double(c.reach) / std::sqrt(length2));
     if (off > 0) shorten *= std::min(1.0, double(c.reachOffModes) / std::sqrt(off));
+    for (double& x : k) x *= shorten;
+    if (!c.motion.empty())
+        for (const double x : motionOf(c.motion, local)) k.push_back(x);
     for (size_t v = 0; v < out.size(); ++v)
         for (int n = 0; n < 4; ++n)
-            for (uint32_t i = 0; i < c.modeCount; ++i) {
-                const double* node = s.nodes.data() + (size_t(c.nodeIndices[v][n]) * c.modeCount + i) * 4;
-                out[v] += double(c.nodeWeights[v][n]) / 255.0 * shorten * k[i] * glm::dvec4(node[0], node[1], node[2], node[3]);
+            for (uint32_t i = 0; i < c.columnCount(); ++i) {
+                const double* node = s.nodes.data() + (size_t(c.nodeIndices[v][n]) * c.columnCount() + i) * 4;
+                out[v] += double(c.nodeWeights[v][n]) / 255.0 * k[i] * glm::dvec4(node[0], node[1], node[2], node[3]);
             }
     return out;
 }

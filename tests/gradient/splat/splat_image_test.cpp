@@ -6,6 +6,7 @@
 #include "reconstruction/training/trainer/backward_correctives.h"
 #include "reconstruction/training/trainer/backward_splats.h"
 #include "sdk/avatar/posed_mesh.h"
+#include "sdk/format/motion_modes.h"
 #include "tests/gradient/splat/double_scene.h"
 #include "tests/gradient/splat/finite_difference.h"
 
@@ -67,6 +68,37 @@ DoubleScene withCorrectives(DoubleScene s, float reach, float reachOffModes = 1e
     for (int n = 0; n < 6; ++n)
         c.nodes.push_back({0.01f * std::sin(2.3f * float(n)), 0.012f * std::cos(1.9f * float(n)), 0.008f * std::sin(float(n)),
                            0.25f * std::cos(2.9f * float(n))});
+    for (const Vec4f& n : c.nodes) s.nodes.insert(s.nodes.end(), {n.x, n.y, n.z, n.w});
+    return s;
+}
+
+/** Adds three motion modes of the same joints, the last two in a group with a reach. moved, where its smooth step stands: 0 not yet, 0.5
+ * half way, 1 done. */
+DoubleScene withMotion(DoubleScene s, double moved, float reach = 10) {
+    PoseCorrectiveData& c = s.correctives;
+    MotionModeData m;
+    m.joints = {0, 2}, m.holdsS = {0, 1.5f};
+    m.still = {{0, 0, 0, 1}, {0.05f, -0.06f, 0, 0.997f}};
+    double squares = 0;
+    for (size_t j = 0; j < 2; ++j) {
+        m.still[j] = glm::normalize(m.still[j]);
+        const Quatd still(m.still[j].w, m.still[j].x, m.still[j].y, m.still[j].z);
+        const double angle = 2 * std::acos(std::abs(glm::dot(glm::normalize(s.rotations[m.joints[j]]), still)));
+        squares += angle * angle;
+        m.rangeRad.emplace_back(float(0.5 * angle), j == 0 ? 2.0f : float(0.2 * angle));  // the second has reached its most
+    }
+    m.movedFromRad = float(std::sqrt(squares) + 0.3 - 0.6 * moved), m.movedToRad = m.movedFromRad + 0.6f;
+    if (moved == 1) m.movedFromRad -= 0.5f, m.movedToRad -= 0.5f;
+    if (moved == 0) m.movedFromRad += 0.1f, m.movedToRad += 0.1f;
+    m.movedFromRad = std::max(m.movedFromRad, 0.0f), m.movedToRad = std::max(m.movedToRad, 0.01f);
+    m.groups = {{.columnCount = 1}, {.columnCount = 2, .reach = reach}};
+    for (size_t i = 0; i < 2 * 3 * m.inputCount(); ++i) m.modes.push_back(0.7f * std::cos(2.1f * float(i) + 0.3f));
+    addMotionModes(c, std::move(m));
+    for (size_t e = 0; e < c.nodes.size(); ++e)
+        if (e % 5 >= 2)
+            c.nodes[e] = {0.01f * std::cos(1.3f * float(e)), 0.01f * std::sin(2.9f * float(e)), 0.008f * std::cos(float(e)),
+                          0.2f * std::sin(1.7f * float(e))};
+    s.nodes.clear();
     for (const Vec4f& n : c.nodes) s.nodes.insert(s.nodes.end(), {n.x, n.y, n.z, n.w});
     return s;
 }
@@ -238,6 +270,19 @@ TEST(SplatImageGradient, poseCorrectivesOffTheirModes) {
 }
 TEST(SplatImageGradient, poseCorrectivesBeyondTheirReach) {
     check(withCorrectives(makeScene(0.0, kSplatSingleFace), 0.3f));
+}
+
+TEST(SplatImageGradient, motionModesHalfWay) {
+    check(withMotion(withCorrectives(makeScene(0.0, 0), 10), 0.5));
+}
+TEST(SplatImageGradient, motionModesThatHaveMovedBesideModesThatFade) {
+    check(withMotion(withCorrectives(makeScene(0.0, 0), 0.3f, 0.1f), 1));
+}
+TEST(SplatImageGradient, motionModesBeyondTheirReach) {
+    check(withMotion(withCorrectives(makeScene(0.0, 0), 10), 0.5, 0.1f));
+}
+TEST(SplatImageGradient, motionModesThatHaveNotMovedYet) {
+    check(withMotion(withCorrectives(makeScene(0.0, kSplatSingleFace), 10), 0));
 }
 
 TEST(SplatImageGradient, cappedAlphaStopsItsOwnGradient) {

@@ -23,7 +23,8 @@ def extension(path):
 
 def damaged(good):
     for name, change in {
-        "version 3": lambda e: e.update(version=3),
+        "version 4": lambda e: e.update(version=4),
+        "motion modes in version 2": lambda e: e.update(version=2, poseCorrectives=dict(CORRECTIVES, motion=MOTION)),
         "correctives in version 1": lambda e: e.update(version=1, poseCorrectives=CORRECTIVES),
         "hash in capitals": lambda e: e.update(contentHash="xxh3:ABCDEF0123456789"),
         "no units": lambda e: e.pop("units"),
@@ -50,6 +51,27 @@ CORRECTIVES = {
     "encoding": 1, "modeCount": 2, "nodeCount": 3, "joints": [0, 1], "reach": 1.5, "reachOffModes": 0.25,
     "streams": {"mean": 1, "modes": 2, "ranges": 3, "nodes": 4, "nodeIndices": 5, "nodeWeights": 6},
 }
+
+MOTION = {
+    "encoding": 1, "joints": [0, 1], "movedFrom": 0.1, "movedTo": 0.3, "holds": [0, 1.5],
+    "streams": {"groups": 10, "still": 7, "ranges": 8, "modes": 9},
+}
+
+
+def damaged_motion():
+    for name, change in {
+        "no joints": lambda m: m.update(joints=[]),
+        "no holds": lambda m: m.update(holds=[]),
+        "hold negative": lambda m: m.update(holds=[-1]),
+        "17 joints": lambda m: m.update(joints=list(range(17))),
+        "motion encoding 2": lambda m: m.update(encoding=2),
+        "no still stream": lambda m: m["streams"].pop("still"),
+        "no groups stream": lambda m: m["streams"].pop("groups"),
+        "unknown motion field": lambda m: m.update(lags=[1]),
+    }.items():
+        bad = copy.deepcopy(MOTION)
+        change(bad)
+        yield name, dict(CORRECTIVES, motion=bad)
 
 
 def damaged_correctives():
@@ -83,7 +105,10 @@ for path in sys.argv[2:]:
     if not validator.is_valid({**good, "version": 2, "poseCorrectives": CORRECTIVES, "trainedPixelM": 0.002}):
         failures += 1
         print(f"{path}: the schema refuses good correctives or a trained pixel")
-    for name, bad in list(damaged(good)) + [(name, {**good, "version": 2, "poseCorrectives": c}) for name, c in damaged_correctives()]:
+    if not validator.is_valid({**good, "version": 3, "poseCorrectives": dict(CORRECTIVES, motion=MOTION)}):
+        failures += 1
+        print(f"{path}: the schema refuses good motion modes")
+    for name, bad in list(damaged(good)) + [(name, {**good, "version": 2, "poseCorrectives": c}) for name, c in damaged_correctives()] + [(name, {**good, "version": 3, "poseCorrectives": c}) for name, c in damaged_motion()]:
         if validator.is_valid(bad):
             failures += 1
             print(f"{path}: the schema accepts '{name}'")

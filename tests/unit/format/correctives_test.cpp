@@ -20,6 +20,53 @@ struct Bad {
     const char* sentence;  // part of the expected error
 };
 
+TEST(CheckCorrectives, refusesEachKindOfBadMotionMode) {
+    const AvatarData avatar = test::layeredAvatar(1, 0, 8, 3);
+    const PoseCorrectiveData good = test::randomCorrectives(avatar, 1, {.modes = 2, .nodes = 5, .motion = 3});
+    const size_t joints = avatar.joints.size(), vertices = avatar.mesh.restPositions.size();
+    ASSERT_TRUE(checkCorrectives(good, joints, vertices));
+    const Bad list[] = {
+        {"too many columns", [](PoseCorrectiveData& c) { c.motion.groups[1].columnCount = 63, c.nodes.resize(65 * 5); }, "columns"},
+        {"columns beyond every number", [](PoseCorrectiveData& c) { c.motion.groups[1].columnCount = 0xffffffffu; }, "columns"},
+        {"one column too few", [](PoseCorrectiveData& c) { c.motion.groups[1].columnCount = 1; }, "do not fit"},
+        {"a group without columns", [](PoseCorrectiveData& c) { c.motion.groups[0].columnCount = 0; }, "2 groups of 2 columns"},
+        {"5 groups", [](PoseCorrectiveData& c) { c.motion.groups.resize(5, c.motion.groups[0]); }, "5 groups"},
+        {"reach NaN", [](PoseCorrectiveData& c) { c.motion.groups[0].reach = kNan; }, "impossible"},
+        {"reach negative", [](PoseCorrectiveData& c) { c.motion.groups[0].reach = -1; }, "impossible"},
+        {"no joints", [](PoseCorrectiveData& c) { c.motion.joints.clear(); }, "0 joints"},
+        {"17 joints", [](PoseCorrectiveData& c) { c.motion.joints.resize(17); }, "17 joints"},
+        {"no holds", [](PoseCorrectiveData& c) { c.motion.holdsS.clear(); }, "0 holds"},
+        {"5 holds", [](PoseCorrectiveData& c) { c.motion.holdsS.resize(5); }, "5 holds"},
+        {"short still", [](PoseCorrectiveData& c) { c.motion.still.pop_back(); }, "do not fit"},
+        {"long ranges", [](PoseCorrectiveData& c) { c.motion.rangeRad.emplace_back(0, 1); }, "do not fit"},
+        {"short modes", [](PoseCorrectiveData& c) { c.motion.modes.pop_back(); }, "do not fit"},
+        {"nodes without the columns", [](PoseCorrectiveData& c) { c.nodes.resize(5 * 2); }, "do not fit"},
+        {"joint out of range", [](PoseCorrectiveData& c) { c.motion.joints.back() = 8; }, "joint 8"},
+        {"joint twice", [](PoseCorrectiveData& c) { c.motion.joints[3] = c.motion.joints[2]; }, "rising"},
+        {"still of length 2", [](PoseCorrectiveData& c) { c.motion.still[1] *= 2.0f; }, "impossible"},
+        {"still zero", [](PoseCorrectiveData& c) { c.motion.still[1] = Vec4f(0); }, "impossible"},
+        {"still NaN", [](PoseCorrectiveData& c) { c.motion.still[1].y = kNan; }, "impossible"},
+        {"rest NaN", [](PoseCorrectiveData& c) { c.motion.rangeRad[1].x = kNan; }, "impossible"},
+        {"rest negative", [](PoseCorrectiveData& c) { c.motion.rangeRad[1].x = -0.1f; }, "impossible"},
+        {"most infinite", [](PoseCorrectiveData& c) { c.motion.rangeRad[1].y = kInfinity; }, "impossible"},
+        {"moved from NaN", [](PoseCorrectiveData& c) { c.motion.movedFromRad = kNan; }, "impossible"},
+        {"moved at once", [](PoseCorrectiveData& c) { c.motion.movedToRad = c.motion.movedFromRad; }, "impossible"},
+        {"moved backwards", [](PoseCorrectiveData& c) { c.motion.movedToRad = 0.1f, c.motion.movedFromRad = 0.2f; }, "impossible"},
+        {"hold negative", [](PoseCorrectiveData& c) { c.motion.holdsS[0] = -1; }, "impossible"},
+        {"hold for ever", [](PoseCorrectiveData& c) { c.motion.holdsS[0] = kInfinity; }, "impossible"},
+        {"mode NaN", [](PoseCorrectiveData& c) { c.motion.modes[4] = kNan; }, "impossible"},
+        {"mode of 1e30", [](PoseCorrectiveData& c) { c.motion.modes[4] = 1e30f; }, "impossible"},
+    };
+    for (const Bad& bad : list) {
+        PoseCorrectiveData c = good;
+        bad.damage(c);
+        const Status status = checkCorrectives(c, joints, vertices);
+        ASSERT_FALSE(status) << bad.what;
+        EXPECT_EQ(status.error().code, Code::CorruptData) << bad.what;
+        EXPECT_NE(status.error().message.find(bad.sentence), std::string::npos) << bad.what << ": " << status.error().message;
+    }
+}
+
 TEST(CheckCorrectives, refusesEachKindOfBadArray) {
     const AvatarData avatar = test::layeredAvatar(1, 0, 8, 3);
     const PoseCorrectiveData good = test::randomCorrectives(avatar, 1, {.modes = 2, .nodes = 5});

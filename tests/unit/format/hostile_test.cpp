@@ -74,7 +74,7 @@ json nested(int depth) {
 TEST(HostileAvatar, rejectList) {
     const std::vector<Damage> list = {
         {"extension missing", [](GlbParts& p) { p.json.erase("extensions"); }, Code::Unsupported},
-        {"extension of a newer version", [](GlbParts& p) { ours(p)["version"] = 3; }, Code::Version},
+        {"extension of a newer version", [](GlbParts& p) { ours(p)["version"] = 4; }, Code::Version},
         {"newer splat encoding", [](GlbParts& p) { ours(p)["splats"]["encoding"] = 4; }, Code::Version},
         {"words as encoding 3", [](GlbParts& p) { ours(p)["splats"]["encoding"] = 3; }},
         {"palette encoding without a palette", [](GlbParts& p) { ours(p)["splats"]["encoding"] = 2; }},
@@ -211,6 +211,64 @@ TEST(HostileAvatar, rejectList) {
         damage.apply(parts);
         expectRefused(damage.what, parts.bytes(), damage.code);
     }
+}
+
+TEST(HostileAvatar, damagedMotionModes) {
+    const auto motion = [](GlbParts& p) -> json& { return correctives(p)["motion"]; };
+    const auto bytesOf = [motion](GlbParts& p, const char* name) { return p.view(motion(p)["streams"][name].get<size_t>()); };
+    const std::vector<Damage> list = {
+        {"in version 2", [](GlbParts& p) { ours(p)["version"] = 2; }},
+        {"a number", [=](GlbParts& p) { motion(p) = 7; }},
+        {"newer encoding", [=](GlbParts& p) { motion(p)["encoding"] = 2; }, Code::Version},
+        {"no encoding", [=](GlbParts& p) { motion(p).erase("encoding"); }},
+        {"joints missing", [=](GlbParts& p) { motion(p).erase("joints"); }},
+        {"joints empty", [=](GlbParts& p) { motion(p)["joints"] = json::array(); }},
+        {"joint out of range", [=](GlbParts& p) { motion(p)["joints"][0] = 2; }},
+        {"17 joints",
+         [=](GlbParts& p) {
+             for (int j = 0; j < 17; ++j) motion(p)["joints"].push_back(j);
+         }},
+        {"moved from as text", [=](GlbParts& p) { motion(p)["movedFrom"] = "0"; }},
+        {"moved to missing", [=](GlbParts& p) { motion(p).erase("movedTo"); }},
+        {"moved to of 1e300", [=](GlbParts& p) { motion(p)["movedTo"] = 1e300; }},
+        {"moved to below from", [=](GlbParts& p) { motion(p)["movedTo"] = 0.0625; }},
+        {"holds missing", [=](GlbParts& p) { motion(p).erase("holds"); }},
+        {"no holds", [=](GlbParts& p) { motion(p)["holds"] = json::array(); }},
+        {"5 holds",
+         [=](GlbParts& p) {
+             motion(p)["holds"] = {1, 2, 3, 4, 5};
+         }},
+        {"hold as text", [=](GlbParts& p) { motion(p)["holds"][0] = "1"; }},
+        {"hold negative", [=](GlbParts& p) { motion(p)["holds"][0] = -1; }},
+        {"hold of 1e300", [=](GlbParts& p) { motion(p)["holds"][0] = 1e300; }},
+        {"streams missing", [=](GlbParts& p) { motion(p).erase("streams"); }},
+        {"still missing", [=](GlbParts& p) { motion(p)["streams"].erase("still"); }},
+        {"ranges out of range", [=](GlbParts& p) { motion(p)["streams"]["ranges"] = 123456; }},
+        {"modes of other length", [=](GlbParts& p) { motion(p)["streams"]["modes"] = motion(p)["streams"]["still"]; }},
+        {"groups missing", [=](GlbParts& p) { motion(p)["streams"].erase("groups"); }},
+        {"groups of no whole length", [=](GlbParts& p) { motion(p)["streams"]["groups"] = motion(p)["streams"]["still"]; }},
+        {"no columns", [=](GlbParts& p) { put(bytesOf(p, "groups"), 0, 0u); }},
+        {"one column too many", [=](GlbParts& p) { put(bytesOf(p, "groups"), 0, 2u); }},
+        {"2^32 - 1 columns", [=](GlbParts& p) { put(bytesOf(p, "groups"), 0, 0xffffffffu); }},
+        {"63 columns", [=](GlbParts& p) { put(bytesOf(p, "groups"), 0, 63u); }},
+        {"reach infinite", [=](GlbParts& p) { put(bytesOf(p, "groups"), 3, kInfinity); }},
+        {"still NaN", [=](GlbParts& p) { put(bytesOf(p, "still"), 0, kNan); }},
+        {"still zero",
+         [=](GlbParts& p) {
+             auto s = bytesOf(p, "still");
+             std::fill(s.begin(), s.end(), uint8_t(0));
+         }},
+        {"rest negative", [=](GlbParts& p) { put(bytesOf(p, "ranges"), 0, -0.5f); }},
+        {"most of a thousand turns", [=](GlbParts& p) { put(bytesOf(p, "ranges"), 1, 6283.0f); }},
+        {"mode infinite", [=](GlbParts& p) { put(bytesOf(p, "modes"), 3, kInfinity); }},
+    };
+    const std::vector<uint8_t> good = *writeAvatar(test::tinyMovingAvatar());
+    for (const Damage& damage : list) {
+        GlbParts parts = test::split(good);
+        damage.apply(parts);
+        expectRefused(damage.what, parts.bytes(), damage.code);
+    }
+    EXPECT_TRUE(readAvatar(test::split(good).bytes(), trusting()));
 }
 
 TEST(HostileAvatar, damagedPalettes) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// PLY, KHR_gaussian_splatting and skinned glTF, as other programs use them; and pinned avatar files of versions 1 and 2.
+// PLY, KHR_gaussian_splatting and skinned glTF, as other programs use them; and pinned avatar files of versions 1 to 3.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -85,6 +85,32 @@ TEST(AvatarVersion2, pinnedBytesStillRead) {
     EXPECT_EQ(c.nodes[1], Vec4f(0, -0.01f, 0, 0.25f));
     EXPECT_EQ(c.nodes[2], Vec4f(float(-16384 * double(0.02f) / 32767), 0, 0, float(16384 * 0.5 / 32767)));
     EXPECT_EQ(c.nodes[3], Vec4f(0, float(8192 * double(0.01f) / 32767), 0, 0));
+    EXPECT_EQ(*writeAvatar(*a), bytes);
+}
+
+TEST(AvatarVersion3, pinnedBytesStillRead) {
+    const auto bytes = fileBytes(sourceFolder() / "tests/unit/format/pinned/avatar_v3.glb");
+    ASSERT_FALSE(bytes.empty());
+    auto a = readAvatar(bytes);
+    ASSERT_TRUE(a) << a.error().message;
+    const PoseCorrectiveData& c = a->correctives;
+    const MotionModeData& m = c.motion;
+    EXPECT_EQ(c.modeCount, 2u);
+    ASSERT_EQ(m.groups.size(), 2u);
+    EXPECT_EQ(m.groups[0].columnCount, 1u);
+    EXPECT_EQ(m.groups[1].columnCount, 1u);
+    EXPECT_EQ(m.groups[0].reach, 2.0f);
+    EXPECT_EQ(m.groups[1].reach, 0.75f);
+    EXPECT_EQ(m.joints, (std::vector<uint32_t>{1}));
+    EXPECT_EQ(m.still, (std::vector<Vec4f>{{0, 0, 0.6f, 0.8f}}));
+    EXPECT_EQ(m.rangeRad, (std::vector<Vec2f>{{0.0625f, 1.5f}}));
+    EXPECT_EQ(m.movedFromRad, 0.125f);
+    EXPECT_EQ(m.movedToRad, 0.375f);
+    EXPECT_EQ(m.holdsS, (std::vector<float>{0, 1.5f}));
+    EXPECT_EQ(m.modes, (std::vector<float>{1, 0, 0, 0, -0.5f, 1.25f, 0, 0}));
+    ASSERT_EQ(c.nodes.size(), 8u);
+    EXPECT_EQ(c.nodes[2], Vec4f(0, 0, 0.03f, 0));
+    EXPECT_EQ(c.nodes[7], Vec4f(0, 0, 0, -0.5f));
     EXPECT_EQ(*writeAvatar(*a), bytes);
 }
 

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstring>
 #include <limits>
 #include <numbers>
 
@@ -237,6 +238,39 @@ TEST(AvatarRoundTrip, correctivesComeBack) {
     EXPECT_GT(offset, 0);
     EXPECT_LE(offset, 0.05e-3);
     EXPECT_LE(light, 0.002);
+}
+
+TEST(AvatarRoundTrip, motionModesComeBackInBothEncodings) {
+    const AvatarData a = withCorrectives(layeredAvatar(70, 1), 5, {.modes = 12, .nodes = 300, .reach = 3.25f, .motion = 6});
+    for (const bool compact : {false, true}) {
+        const auto bytes = writeAvatar(a, {.compact = compact});
+        ASSERT_TRUE(bytes) << bytes.error().message;
+        const auto b = readAvatar(*bytes);
+        ASSERT_TRUE(b) << b.error().message;
+        const MotionModeData &x = a.correctives.motion, &y = b->correctives.motion;
+        ASSERT_EQ(x.groups.size(), 2u);
+        ASSERT_EQ(y.groups.size(), 2u);
+        EXPECT_EQ(x.movedFromRad, y.movedFromRad);
+        EXPECT_EQ(x.movedToRad, y.movedToRad);
+        EXPECT_EQ(std::memcmp(x.groups.data(), y.groups.data(), 2 * sizeof(MotionGroupData)), 0);
+        EXPECT_TRUE(x.joints == y.joints && x.still == y.still && x.rangeRad == y.rangeRad && x.holdsS == y.holdsS && x.modes == y.modes);
+        ASSERT_EQ(a.correctives.nodes.size(), b->correctives.nodes.size());
+        for (size_t e = 0; e < a.correctives.nodes.size(); ++e)
+            EXPECT_LT(glm::length(a.correctives.nodes[e] - b->correctives.nodes[e]), 1e-4f);
+        const auto info = inspectAvatar(*bytes);
+        EXPECT_EQ(info->motionModes, 6u);
+        EXPECT_LT(info->otherBytes, 100u);
+    }
+    expectSameBytes(a);
+}
+
+TEST(AvatarRoundTrip, onlyFilesWithMotionModesNeedVersion3) {
+    AvatarData a = withCorrectives(tinyAvatar(), 1);
+    const auto plain = *writeAvatar(a);
+    addMotionModes(a.correctives, test::tinyMovingAvatar().correctives.motion);
+    EXPECT_EQ(inspectAvatar(*writeAvatar(a))->version, 3u);
+    dropMotionModes(a.correctives);
+    EXPECT_TRUE(*writeAvatar(a) == plain);
 }
 
 TEST(AvatarRoundTrip, onlyFilesWithCorrectivesNeedVersion2) {

@@ -50,6 +50,18 @@ inline AvatarData tinyCorrectedAvatar() {
     return a;
 }
 
+/** The same with two motion modes of one joint. The pinned file of version 3 holds it. */
+inline AvatarData tinyMovingAvatar() {
+    AvatarData a = tinyCorrectedAvatar();
+    MotionModeData& m = a.correctives.motion;
+    m.groups = {{1, 2}, {1, 0.75f}}, m.movedFromRad = 0.125f, m.movedToRad = 0.375f;
+    m.joints = {1}, m.still = {{0, 0, 0.6f, 0.8f}}, m.rangeRad = {{0.0625f, 1.5f}}, m.holdsS = {0, 1.5f};
+    m.modes = {1, 0, 0, 0, -0.5f, 1.25f, 0, 0};
+    a.correctives.nodes = {{0.02f, 0, 0, -0.5f}, {0, -0.01f, 0, 0.25f}, {0, 0, 0.03f, 0}, {0, 0, 0, 0.5f},
+                           {0, 0, 0, 0},         {0, 0, 0, 0},          {0, 0, 0, 0},     {0, 0, 0, -0.5f}};
+    return a;
+}
+
 /** A map with sides of all kinds: fine, coarse, blurred, not seen. */
 inline CaptureMapData sampleCaptureMap(size_t joints) {
     CaptureMapData map;

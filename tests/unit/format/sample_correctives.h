@@ -6,6 +6,7 @@
 #include <random>
 
 #include "sdk/format/avatar_data.h"
+#include "sdk/format/motion_modes.h"
 #include "sdk/format/skin_weights.h"
 
 namespace dpl::test {
@@ -14,7 +15,27 @@ struct CorrectiveOptions {
     uint32_t modes = 3, nodes = 12;
     float offsetM = 0.02f, light = 0.4f;  // standard deviation of a node's values, for ‖k‖ = 1
     float reach = 1.5f, reachOffModes = 1e6f;
+    uint32_t motion = 0;  // columns of motion modes
 };
+
+/** Motion modes of up to 16 joints and two holds, in two groups. Random poses have moved, partly moved and rest, and lie
+ *  within reach and beyond it. */
+inline MotionModeData randomMotion(size_t jointCount, uint32_t columns, std::mt19937& random) {
+    std::normal_distribution<float> normal;
+    std::uniform_real_distribution<float> uniform;
+    MotionModeData m;
+    m.movedFromRad = 0.3f, m.movedToRad = 2.5f, m.holdsS = {0, 1.5f};
+    for (uint32_t j = 0; j < std::min<size_t>(jointCount, kMaxMotionJoints); ++j) {
+        m.joints.push_back(j);
+        m.still.push_back(glm::normalize(Vec4f(0.2f * normal(random), 0.2f * normal(random), 0.2f * normal(random), 1)));
+        m.rangeRad.emplace_back(0.2f * uniform(random), 0.2f + 2 * uniform(random));
+    }
+    if (columns > 1) m.groups.push_back({columns / 2, 0.8f});
+    m.groups.push_back({columns - columns / 2, 1.2f});
+    const size_t inputs = m.inputCount() * m.holdsS.size();
+    for (size_t i = 0; i < inputs * columns; ++i) m.modes.push_back(normal(random) / std::sqrt(float(inputs)));
+    return m;
+}
 
 /** All joints are in the feature. Nodes lie at vertices; a vertex uses the four nearest. A rotated joint gives coefficients of about 1. */
 inline PoseCorrectiveData randomCorrectives(const AvatarData& avatar, uint32_t seed, const CorrectiveOptions& o = {}) {
@@ -39,6 +60,11 @@ inline PoseCorrectiveData randomCorrectives(const AvatarData& avatar, uint32_t s
         const Vec3f offset(normal(random), normal(random), normal(random));
         c.nodes.emplace_back(scale * o.offsetM * offset, scale * o.light * normal(random));
     }
+    if (o.motion == 0) return c;
+    addMotionModes(c, randomMotion(avatar.joints.size(), o.motion, random));
+    for (size_t e = 0; e < c.nodes.size(); ++e)
+        if (e % c.columnCount() >= c.modeCount)
+            for (int a = 0; a < 4; ++a) c.nodes[e][a] = scale * (a == 3 ? o.light : o.offsetM) * normal(random);
     return c;
 }
 

@@ -38,6 +38,17 @@ TEST(Evidence, offsetsAndLightGoOneByOne) {
     EXPECT_TRUE(a.correctives.empty());
 }
 
+TEST(Evidence, motionGoesAloneAndTakesItsColumns) {
+    AvatarData a = twoSplats();
+    EXPECT_FALSE(hasPart(a, AvatarPart::MotionModes));
+    a.correctives.motion.groups = {{.columnCount = 1}};
+    a.correctives.nodes = {Vec4f(1, 2, 3, 4), Vec4f(9), Vec4f(5, 6, 7, 8), Vec4f(9)};
+    EXPECT_TRUE(hasPart(a, AvatarPart::MotionModes));
+    removePart(a, AvatarPart::MotionModes);
+    EXPECT_FALSE(hasPart(a, AvatarPart::MotionModes));
+    EXPECT_EQ(a.correctives.nodes, twoSplats().correctives.nodes);
+}
+
 TEST(Evidence, fileHoldsWhatWasFoundAndADamagedOneIsNamed) {
     const auto path = std::filesystem::temp_directory_path() / ("doppel_evidence_" + std::to_string(::getpid()) + ".json");
     ASSERT_TRUE(writeEvidence({{AvatarPart::CorrectiveLight, {"light", true, 0.75f, 120, "measured"}}}, path));

@@ -37,7 +37,7 @@ TEST(StageEvidence, keepsAPartThatHelpsAndDropsOneThatDoesNot) {
         toy.trainingKey = offsetsAreTrue ? "first" : "second";
         const auto measured = measure(toy);
         ASSERT_TRUE(measured) << measured.error().message;
-        ASSERT_EQ(measured->parts.size(), 3u);
+        ASSERT_EQ(measured->parts.size(), 4u);
         const EvidenceData &offsets = rowOf(*measured, AvatarPart::CorrectiveOffsets),
                            &colour = rowOf(*measured, AvatarPart::ViewDependentColour);
         EXPECT_EQ(offsets.kept, offsetsAreTrue);

@@ -1,0 +1,181 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "reconstruction/training/correctives/motion_model.h"
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <string_view>
+
+#include "sdk/avatar/motion_state.h"
+
+namespace dpl {
+namespace {
+
+using Bones = std::array<std::string_view, 5>;
+constexpr std::array<Bones, 2> kLimbs{{{"spine", "leftUpperLeg", "rightUpperLeg", "leftLowerLeg", "rightLowerLeg"},
+                                       {"spine", "leftUpperArm", "rightUpperArm", "leftLowerArm", "rightLowerArm"}}};
+constexpr double kLeastFollowing = 0.01;  // share of a layer's skin weights that follows a group's limbs
+
+bool isOneOf(const std::string& bone, const Bones& bones) {
+    return std::find(bones.begin(), bones.end(), bone) != bones.end();
+}
+
+/** The rotation nearest to all of `poses` at a joint: their normalised sum, with signs as the first one. */
+Vec4f meanRotation(std::span<const Pose> poses, uint32_t joint) {
+    Vec4d sum(0), first(0);
+    for (const Pose& pose : poses) {
+        const Quatd q = glm::normalize(Quatd(pose.localRotations[joint]));
+        const Vec4d v(q.x, q.y, q.z, q.w);
+        if (first == Vec4d(0)) first = v;
+        sum += glm::dot(first, v) < 0 ? -v : v;
+    }
+    return glm::length(sum) > 1e-3 ? Vec4f(glm::normalize(sum)) : Vec4f(0, 0, 0, 1);
+}
+
+/** Angles of the joints in the settled state, without limits. */
+std::vector<double> anglesOf(MotionModeData motion, const Pose& pose) {
+    std::fill(motion.rangeRad.begin(), motion.rangeRad.end(), Vec2f(0, 3.2f));
+    motion.holdsS = {0.0f};
+    MotionState state;
+    settleMotion(motion, pose, state);
+    return {state.held.begin() + 1, state.held.begin() + ptrdiff_t(motion.inputCount())};
+}
+
+double lengthOf(const std::vector<double>& v) {
+    double squares = 0;
+    for (const double x : v) squares += x * x;
+    return std::sqrt(squares);
+}
+
+/** Sets the angles and the distance within which the subject stands still, and the largest inputs of the motion. */
+void setRanges(std::span<const Pose> stillPoses, std::span<const Pose> movingPoses, const MotionModelSettings& settings,
+               MotionModeData& motion) {
+    std::vector<double> stray(motion.joints.size(), 0.0), largest(motion.joints.size(), 0.0);
+    double strayed = 0;
+    for (const Pose& pose : stillPoses) {
+        const std::vector<double> angles = anglesOf(motion, pose);
+        for (size_t j = 0; j < angles.size(); ++j) stray[j] = std::max(stray[j], angles[j]);
+        strayed = std::max(strayed, lengthOf(angles));
+    }
+    for (const Pose& pose : movingPoses) {
+        const std::vector<double> angles = anglesOf(motion, pose);
+        for (size_t j = 0; j < angles.size(); ++j) largest[j] = std::max(largest[j], angles[j]);
+    }
+    for (size_t j = 0; j < stray.size(); ++j) {
+        const double rest = std::min(std::max(settings.leastRestRad, settings.strayFactor * stray[j]), 3.1);
+        motion.rangeRad[j] = Vec2f(float(rest), float(std::max(0.0, largest[j] - rest)));
+    }
+    motion.movedFromRad = float(std::min(std::max(settings.leastMovedRad, settings.strayFactor * strayed), 6.0));
+    motion.movedToRad = motion.movedFromRad + float(settings.movedBandRad);
+}
+
+void addColumn(const Eigen::VectorXd& mode, MotionModeData& motion) {
+    for (const double x : mode) motion.modes.push_back(float(x));
+    ++motion.groups.back().columnCount;
+}
+
+/** Adds the principal components of some joints' inputs in `samples`, states that have moved, as a group. Each takes away its mean times
+ *  "has moved", so that it is 0 in the still pose and centred in motion. counts: a flag for each joint. */
+void addComponents(const std::vector<uint8_t>& counts, std::span<const MotionState> samples, const MotionModelSettings& settings,
+                   MotionModeData& motion) {
+    const size_t inputs = motion.inputCount(), all = inputs * motion.holdsS.size();
+    Eigen::MatrixXd held(Eigen::Index(samples.size()), Eigen::Index(all));
+    for (size_t r = 0; r < samples.size(); ++r)
+        for (size_t i = 0; i < all; ++i)
+            held(Eigen::Index(r), Eigen::Index(i)) = i % inputs > 0 && counts[i % inputs - 1] ? samples[r].held[i] : 0;
+    const Eigen::RowVectorXd mean = held.colwise().mean();
+    held.rowwise() -= mean;
+    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(held.transpose() * held / double(samples.size()));
+    if (solver.info() != Eigen::Success) return;
+    const Eigen::VectorXd& variance = solver.eigenvalues();  // ascending
+    motion.groups.emplace_back();
+    std::vector<double> squares(samples.size(), 0.0);  // of each sample's components
+    for (Eigen::Index c = Eigen::Index(all) - 1; c >= 0 && motion.groups.back().columnCount < settings.maxComponents; --c) {
+        if (!(variance(c) > 1e-6) || variance(c) < settings.minVariance * variance.sum()) break;
+        Eigen::VectorXd mode = solver.eigenvectors().col(c) / std::sqrt(variance(c));
+        Eigen::Index largest = 0;
+        mode.cwiseAbs().maxCoeff(&largest);
+        if (mode(largest) < 0) mode = -mode;  // an eigenvector's sign is arbitrary
+        for (Eigen::Index i = 0; i < mode.size(); ++i)
+            if (!(i % Eigen::Index(inputs) > 0 && counts[size_t(i) % inputs - 1])) mode(i) = 0;
+        const Eigen::VectorXd k = held * mode;
+        for (size_t r = 0; r < squares.size(); ++r) squares[r] += k(Eigen::Index(r)) * k(Eigen::Index(r));
+        mode(0) = -mean.dot(mode);
+        addColumn(mode, motion);
+    }
+    if (motion.groups.back().columnCount == 0) return motion.groups.pop_back();
+    motion.groups.back().reach = float(std::sqrt(*std::max_element(squares.begin(), squares.end())));
+}
+
+/** The joints of a group's columns, as flags of MotionModeData::joints. */
+std::vector<uint8_t> heardJoints(const MotionModeData& motion, size_t group) {
+    size_t first = 0;
+    for (size_t g = 0; g < group; ++g) first += motion.groups[g].columnCount;
+    const size_t inputs = motion.inputCount(), row = inputs * motion.holdsS.size();
+    std::vector<uint8_t> heard(motion.joints.size(), 0);
+    for (size_t i = first * row; i < (first + motion.groups[group].columnCount) * row; ++i)
+        if (i % inputs > 0 && motion.modes[i] != 0) heard[i % inputs - 1] = 1;
+    return heard;
+}
+
+}  // namespace
+
+Result<MotionModeData> motionModel(std::span<const JointData> joints, std::span<const Pose> stillPoses, std::span<const Pose> movingPoses,
+                                   const MotionModelSettings& settings) {
+    MotionModeData motion;
+    for (uint32_t j = 0; j < joints.size(); ++j)
+        if (std::any_of(kLimbs.begin(), kLimbs.end(), [&](const Bones& bones) { return isOneOf(joints[j].humanoidBone, bones); }))
+            motion.joints.push_back(j);
+    if (motion.joints.empty() || stillPoses.empty() || movingPoses.size() < settings.minPoses) return MotionModeData{};
+    for (const std::span<const Pose> poses : {stillPoses, movingPoses})
+        for (const Pose& pose : poses) DPL_RETURN_IF_ERROR(checkPose(joints, pose));
+    for (const uint32_t joint : motion.joints) motion.still.push_back(meanRotation(stillPoses, joint));
+    motion.rangeRad.resize(motion.joints.size());
+    motion.holdsS = settings.holdsS;
+    setRanges(stillPoses, movingPoses, settings, motion);
+    std::vector<MotionState> moved;
+    for (const Pose& pose : movingPoses) {
+        MotionState state;
+        settleMotion(motion, pose, state);
+        if (state.held[0] > 0.5) moved.push_back(state);
+    }
+    if (moved.size() < 2 || double(moved.size()) < settings.minMovedShare * double(movingPoses.size())) return MotionModeData{};
+    motion.groups.emplace_back();
+    addColumn(Eigen::VectorXd::Unit(Eigen::Index(motion.inputCount() * motion.holdsS.size()), 0), motion);
+    for (const Bones& bones : kLimbs) {
+        std::vector<uint8_t> counts;
+        for (const uint32_t joint : motion.joints) counts.push_back(isOneOf(joints[joint].humanoidBone, bones));
+        addComponents(counts, moved, settings, motion);
+    }
+    return motion;
+}
+
+std::vector<uint32_t> motionReachingNodes(std::span<const JointData> joints, const MeshData& mesh, const PoseCorrectiveData& c) {
+    const MotionModeData& motion = c.motion;
+    std::vector<uint32_t> groupsOfJoint(joints.size(), 0), groupsOfNode(c.nodeCount, 0);
+    for (size_t g = 1; g < motion.groups.size(); ++g) {
+        const std::vector<uint8_t> heard = heardJoints(motion, g);
+        for (size_t j = 0; j < heard.size(); ++j)
+            if (heard[j] && joints[motion.joints[j]].humanoidBone != "spine") groupsOfJoint[motion.joints[j]] |= 1u << g;
+    }
+    for (size_t j = 0; j < joints.size(); ++j)
+        if (joints[j].parent >= 0) groupsOfJoint[j] |= groupsOfJoint[size_t(joints[j].parent)];
+    for (const LayerData& layer : mesh.layers) {
+        if (layer.role != "garment" || layer.name == "shoes") continue;
+        std::vector<double> following(motion.groups.size(), 0.0);
+        for (uint32_t v = layer.firstVertex; v < layer.firstVertex + layer.vertexCount; ++v)
+            for (int i = 0; i < 4; ++i)
+                for (size_t g = 1; g < following.size(); ++g)
+                    if (groupsOfJoint[mesh.jointIndices[v][i]] >> g & 1) following[g] += double(mesh.jointWeights[v][i]) / 255;
+        uint32_t groups = 1;
+        for (size_t g = 1; g < following.size(); ++g)
+            if (following[g] > kLeastFollowing * double(layer.vertexCount)) groups |= 1u << g;
+        for (uint32_t v = layer.firstVertex; v < layer.firstVertex + layer.vertexCount; ++v)
+            for (int i = 0; i < 4; ++i)
+                if (c.nodeWeights[v][i] != 0) groupsOfNode[c.nodeIndices[v][i]] |= groups;
+    }
+    return groupsOfNode;
+}
+
+}  // namespace dpl

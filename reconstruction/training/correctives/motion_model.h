@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: Apache-2.0
+// The basis of motion modes: how a still pose differs from the poses of a motion. Training fills in the nodes later.
+// docs/reference/correctives.md, "Motion modes"
+//
+//   still poses  ─► mean still pose, and how far the still frames stray from it
+//   moving poses ─► inputs ─► [has moved], and principal components of the legs' and of the arms', of unit variance and 0 in the still pose
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "sdk/avatar/rig.h"
+#include "sdk/core/result.h"
+
+namespace dpl {
+
+struct MotionModelSettings {
+    uint32_t maxComponents = 3;       // columns of a group
+    double minVariance = 0.03;        // share of the variance of a group's inputs; smaller components are left out
+    double leastRestRad = 0.05;       // 3°: smallest angle of a joint that counts as moved
+    double leastMovedRad = 0.1;       // 6°: smallest distance from the still pose that counts as moved
+    double movedBandRad = 0.2;        // over which "has moved" rises from 0 to 1
+    double strayFactor = 1.5;         // times the largest angle or distance of the still frames, if that is more
+    std::vector<float> holdsS{0.0f};  // of MotionModeData
+    uint32_t minPoses = 12;           // with fewer moving poses, or no still one, the result is empty
+    double minMovedShare = 0.25;      // of the moving poses that must count as moved; with less the result is empty
+};
+
+/** Returns motion modes, or empty ones where the poses say too little. The first group is one column: "has moved"
+ *  itself. Then come the legs and the arms, each with the spine, centred on the moving poses that have moved. Deterministic.
+ *  InvalidArgument when the poses do not match the rig. */
+Result<MotionModeData> motionModel(std::span<const JointData> joints, std::span<const Pose> stillPoses, std::span<const Pose> movingPoses,
+                                   const MotionModelSettings& settings = {});
+
+/** The groups of motionModel() that reach each control node of clothes that hang, as bits: "has moved", and those whose limbs the skin
+ *  weights of its layer follow. None for skin, hair and shoes, which do not slide. The correctives must have passed checkCorrectives for
+ * this mesh. */
+std::vector<uint32_t> motionReachingNodes(std::span<const JointData> joints, const MeshData& mesh, const PoseCorrectiveData& correctives);
+
+}  // namespace dpl

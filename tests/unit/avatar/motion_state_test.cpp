@@ -1,0 +1,203 @@
+// SPDX-License-Identifier: Apache-2.0
+// Motion modes: what a state holds, and that it forgets exactly and never grows.
+#include "sdk/avatar/motion_state.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+
+#include "sdk/avatar/pose_correctives.h"
+#include "tests/not_finite.h"
+#include "tests/unit/format/sample_avatars.h"
+#include "tests/unit/format/sample_correctives.h"
+
+namespace dpl {
+namespace {
+
+const Vec3f kAxis = glm::normalize(Vec3f(1, 2, -1));
+
+/** Two joints whose still pose is half a radian about kAxis, held for 1.5, 6 and 60 s, in one group. One column an input. */
+MotionModeData twoJoints(std::vector<float> holds = {1.5f, 6, 60}) {
+    MotionModeData m;
+    m.joints = {0, 1}, m.movedFromRad = 0.1f, m.movedToRad = 0.3f, m.holdsS = std::move(holds);
+    const Quatf still = glm::angleAxis(0.5f, kAxis);
+    m.still.assign(2, Vec4f(still.x, still.y, still.z, still.w));
+    m.rangeRad = {{0.05f, 1.0f}, {0.2f, 0.5f}};
+    const size_t inputs = m.inputCount() * m.holdsS.size();
+    m.groups = {{.columnCount = uint32_t(inputs)}}, m.modes.assign(inputs * inputs, 0.0f);
+    for (size_t i = 0; i < inputs; ++i) m.modes[i * inputs + i] = 1;
+    return m;
+}
+
+/** Joints turned by so many radians from their still pose, by quaternions of any length and sign. */
+Pose turnedBy(float first, float second) {
+    Pose pose = Pose::rest(2);
+    const Quatf still = glm::angleAxis(0.5f, kAxis);
+    pose.localRotations[0] = -3.0f * (glm::angleAxis(first, Vec3f(0, 1, 0)) * still);
+    pose.localRotations[1] = 0.1f * (glm::angleAxis(second, Vec3f(0, 0, 1)) * still);
+    return pose;
+}
+
+std::vector<float> coefficientsOf(const MotionModeData& m, const MotionState& state) {
+    std::vector<float> k(m.columnCount(), 7.0f);
+    motionCoefficients(m, state, k);
+    return k;
+}
+
+std::vector<float> settled(const MotionModeData& m, const Pose& pose) {
+    MotionState state;
+    settleMotion(m, pose, state);
+    return coefficientsOf(m, state);
+}
+
+Pose randomPose(std::mt19937& random) {
+    std::normal_distribution<float> normal;
+    Pose pose = Pose::rest(2);
+    for (Quatf& q : pose.localRotations) q = Quatf(normal(random), normal(random), normal(random), normal(random));
+    return pose;
+}
+
+TEST(MotionState, isZeroInTheStillPose) {
+    const MotionModeData m = twoJoints();
+    for (const float k : settled(m, turnedBy(0, 0))) EXPECT_EQ(k, 0);
+    for (const float k : settled(m, turnedBy(0.04f, -0.06f))) EXPECT_EQ(k, 0) << "within what still frames stray";
+}
+
+TEST(MotionState, risesWithTheAngleUpToItsMost) {
+    const MotionModeData m = twoJoints({0});
+    std::vector<float> last = settled(m, turnedBy(0, 0));
+    for (float angle = 0.02f; angle < 3; angle += 0.02f) {
+        const std::vector<float> now = settled(m, turnedBy(angle, -angle));
+        for (size_t i = 0; i < now.size(); ++i) EXPECT_GE(now[i], last[i] - 1e-6f) << angle;
+        last = now;
+    }
+    EXPECT_EQ(last[0], 1.0f);
+    EXPECT_FLOAT_EQ(last[1], 1.0f);
+    EXPECT_FLOAT_EQ(last[2], 0.5f);
+    EXPECT_NEAR(settled(m, turnedBy(0.7f, 0))[1], 0.65f, 1e-6f);
+    EXPECT_NEAR(settled(m, turnedBy(0.2f, 0))[0], 0.5f, 1e-5f) << "half way from 0.1 to 0.3";
+}
+
+TEST(MotionState, aGroupIsShortenedToItsReach) {
+    MotionModeData m = twoJoints({0});
+    m.groups = {{.columnCount = 1}, {.columnCount = 2, .reach = 0.15f}};
+    EXPECT_EQ(settled(m, turnedBy(1, 0)), (std::vector<float>{1, 0.15f, 0}));
+    const std::vector<float> both = settled(m, turnedBy(1, 0.6f));
+    EXPECT_EQ(both[0], 1.0f) << "another group";
+    EXPECT_NEAR(std::hypot(both[1], both[2]), 0.15, 1e-6);
+    EXPECT_NEAR(both[2] / both[1], 0.4 / 0.95, 1e-5);
+    EXPECT_NEAR(settled(m, turnedBy(0.15f, 0))[1], 0.1, 1e-6) << "within reach";
+}
+
+TEST(MotionState, headingTwiceAroundIsNoAngleAboveAHalfTurn) {
+    const MotionModeData m = twoJoints({0});
+    EXPECT_NEAR(settled(m, turnedBy(6.2831853f + 0.3f, 0))[1], 0.25f, 1e-5f);
+    EXPECT_NEAR(settled(m, turnedBy(6.2831853f - 0.3f, 0))[1], 0.25f, 1e-5f);
+}
+
+TEST(MotionState, holdsThePeakAndForgetsItByItsTime) {
+    const MotionModeData m = twoJoints();
+    MotionState state;
+    settleMotion(m, turnedBy(0, 0), state);
+    advanceMotion(m, turnedBy(0.65f, 0), 0.01, state);
+    const std::vector<float> peak = coefficientsOf(m, state);
+    advanceMotion(m, turnedBy(0, 0), 3, state);
+    const std::vector<float> after = coefficientsOf(m, state);
+    for (size_t h = 0; h < 3; ++h)
+        for (size_t i = 0; i < 2; ++i) EXPECT_NEAR(after[3 * h + i] / peak[3 * h + i], std::exp(-3 / m.holdsS[h]), 1e-5) << h;
+    settleMotion(m, turnedBy(0, 0), state);
+    for (const float k : coefficientsOf(m, state)) EXPECT_EQ(k, 0);
+}
+
+TEST(MotionState, aHoldOfZeroIsTheSettledState) {
+    const MotionModeData m = twoJoints({0});
+    std::mt19937 random(5);
+    MotionState state;
+    for (int i = 0; i < 1000; ++i) {
+        const Pose pose = randomPose(random);
+        advanceMotion(m, pose, 0.01 * (i % 7), state);
+        EXPECT_EQ(coefficientsOf(m, state), settled(m, pose));
+    }
+}
+
+TEST(MotionState, anyRateForgetsAlike) {
+    const MotionModeData m = twoJoints();
+    MotionState slow, fast;
+    for (MotionState* state : {&slow, &fast}) settleMotion(m, turnedBy(0.9f, 0.4f), *state);
+    for (int i = 0; i < 3; ++i) advanceMotion(m, turnedBy(0.1f, 0), 1, slow);
+    for (int i = 0; i < 3000; ++i) advanceMotion(m, turnedBy(0.1f, 0), 1e-3, fast);
+    const std::vector<float> a = coefficientsOf(m, slow), b = coefficientsOf(m, fast);
+    for (size_t i = 0; i < a.size(); ++i) EXPECT_NEAR(a[i], b[i], 1e-6) << i;
+}
+
+TEST(MotionState, aPoseTwiceForOneTimeChangesNothing) {
+    const MotionModeData m = twoJoints();
+    std::mt19937 random(6);
+    MotionState state;
+    for (int i = 0; i < 100; ++i) {
+        const Pose pose = randomPose(random);
+        advanceMotion(m, pose, 0.1, state);
+        const MotionState once = state;
+        advanceMotion(m, pose, 0, state);
+        EXPECT_EQ(once.held, state.held);
+    }
+}
+
+TEST(MotionState, timeThatRunsBackwardsSettles) {
+    const MotionModeData m = twoJoints();
+    for (const double seconds : {-1e-9, -3600.0, double(kNan), double(kInfinity), -double(kInfinity)}) {
+        MotionState state, want;
+        settleMotion(m, turnedBy(1, 1), state);
+        advanceMotion(m, turnedBy(0.2f, 0), seconds, state);
+        settleMotion(m, turnedBy(0.2f, 0), want);
+        EXPECT_EQ(state.held, want.held) << seconds;
+    }
+    MotionState hour, want;
+    settleMotion(m, turnedBy(1, 1), hour);
+    advanceMotion(m, turnedBy(0.2f, 0), 3600, hour);
+    settleMotion(m, turnedBy(0.2f, 0), want);
+    for (size_t i = 0; i < hour.held.size(); ++i) EXPECT_NEAR(hour.held[i], want.held[i], 1e-20) << "an hour is for ever";
+}
+
+TEST(MotionState, neverGrowsWhileThePoseRests) {
+    const MotionModeData m = twoJoints();
+    std::mt19937 random(7);
+    MotionState state;
+    for (int i = 0; i < 250000; ++i) {
+        const Pose pose = randomPose(random);
+        advanceMotion(m, pose, 0.02, state);
+        MotionState before = state;
+        for (int rest = 0; rest < 3; ++rest) {
+            advanceMotion(m, pose, rest == 0 ? 1e-3 : 1.0, state);
+            for (size_t h = 0; h < state.held.size(); ++h) {
+                ASSERT_LE(state.held[h], before.held[h]);
+                ASSERT_GE(state.held[h], 0);
+            }
+            before = state;
+        }
+    }
+}
+
+TEST(MotionState, correctivesAppendTheSettledColumnsAndDoNotFadeThem) {
+    AvatarData avatar = test::layeredAvatar(3, 0, 12, 4);
+    avatar.correctives = test::randomCorrectives(avatar, 3, {.modes = 4, .reach = 0.01f, .reachOffModes = 0.01f, .motion = 3});
+    const PoseCorrectiveData& c = avatar.correctives;
+    ASSERT_TRUE(checkCorrectives(c, 12, avatar.mesh.restPositions.size()));
+    Pose pose = Pose::rest(12);
+    pose.localRotations[4] = glm::angleAxis(1.2f, kAxis);
+    std::vector<float> k;
+    correctiveCoefficients(c, pose, k);
+    ASSERT_EQ(k.size(), 7u);
+    EXPECT_EQ(std::vector<float>(k.begin() + 4, k.end()), settled(c.motion, pose));
+    std::vector<Vec4f> nodes;
+    correctiveNodes(c, k, nodes);
+    for (uint32_t n = 0; n < c.nodeCount; ++n) {
+        Vec4f sum(0);
+        for (uint32_t i = 0; i < 7; ++i) sum += k[i] * c.nodes[n * 7 + i];
+        EXPECT_LT(glm::length(sum - nodes[n]), 1e-6f);
+    }
+}
+
+}  // namespace
+}  // namespace dpl
