@@ -38,7 +38,8 @@ std::string clothesJson(const ClothFaults& faults, const std::filesystem::path& 
                                   {"edges_stretched_over_2", faults.stretchedEdges},
                                   {"longest_stretch", faults.longestStretch},
                                   {"longest_splat_mm", 1000 * faults.longestSplatM},
-                                  {"skin_in_garment_pixels", faults.skinPixels}};
+                                  {"skin_in_garment_pixels", faults.skinPixels},
+                                  {"offsets_at_work", faults.offsetsAtWork}};
     addPixels(faults.outside, faults.uncovered, timesS, out);
     out["garments"] = nlohmann::ordered_json::array();
     for (const GarmentNeedles& g : faults.garments) {
@@ -54,9 +55,10 @@ std::string clothesText(const ClothFaults& faults, const std::filesystem::path& 
                   "clothes in %s, %zu poses\n"
                   "  garment vertices inside the body  %6.2f %%  (most at %.1f s)\n"
                   "  edges stretched over 2 x          %6.3f %%  (longest %.1f x)\n"
-                  "  skin that shows through           %6.2f %% of the garments' pixels",
+                  "  skin that shows through           %6.2f %% of the garments' pixels\n"
+                  "  learned offsets at work           %6.0f %%",
                   clip.filename().c_str(), timesS.size(), 100 * faults.penetration, timesS[faults.worstPose], 100 * faults.stretchedEdges,
-                  faults.longestStretch, 100 * faults.skinPixels);
+                  faults.longestStretch, 100 * faults.skinPixels, 100 * faults.offsetsAtWork);
     std::string shown = text;
     shown += "\n  drawn outside the grown tubes     " + pixelText(faults.outside, timesS);
     shown += "\n  uncovered in the outline          " + pixelText(faults.uncovered, timesS);

@@ -181,6 +181,39 @@ PixelCount countPixels(const Clothed& clothed, std::span<const uint8_t> covered,
     return count;
 }
 
+/** Sums the lengths of the garments' learned offsets. Kept between poses. */
+class OffsetSum {
+public:
+    explicit OffsetSum(const Clothed& clothed) : clothed_(clothed), unlimited_(clothed.avatar.correctives) {
+        unlimited_.reach = unlimited_.reachOffModes = 1e30f;
+        for (MotionGroupData& group : unlimited_.motion.groups) group.reach = 1e30f;
+    }
+
+    void add(const Pose& pose, Jobs& jobs) {
+        if (unlimited_.empty()) return;
+        drawn_ += lengthOf(clothed_.avatar.correctives, pose, jobs), learned_ += lengthOf(unlimited_, pose, jobs);
+    }
+    double share() const { return learned_ > 0 ? drawn_ / learned_ : 1; }
+
+private:
+    double lengthOf(const PoseCorrectiveData& correctives, const Pose& pose, Jobs& jobs) {
+        const auto& rest = clothed_.avatar.mesh.restPositions;
+        correctiveCoefficients(correctives, pose, coefficients_);
+        correctiveNodes(correctives, coefficients_, nodes_);
+        spreadCorrectives(correctives, nodes_, rest, jobs, moved_, light_);
+        double sum = 0;
+        for (const uint32_t v : clothed_.vertices) sum += double(glm::length(moved_[v] - rest[v]));
+        return sum;
+    }
+
+    const Clothed& clothed_;
+    PoseCorrectiveData unlimited_;
+    double drawn_ = 0, learned_ = 0;
+    std::vector<float> coefficients_, light_;
+    std::vector<Vec4f> nodes_;
+    std::vector<Vec3f> moved_;
+};
+
 }  // namespace
 
 double garmentPenetration(const AvatarData& avatar, std::span<const Pose> poses, Jobs& jobs) {
@@ -217,12 +250,14 @@ Result<ClothFaults> clothFaults(const AvatarData& avatar, std::span<const Pose> 
     const std::vector<uint8_t> covered = coveredTriangles(clothed);
     for (const LayerData* garment : clothed.garments) faults.garments.push_back({.name = garment->name});
     DrawnFaults drawn(clothed, jobs);
+    OffsetSum offsets(clothed);
     PosedMesh posed;
     size_t inside = 0, mostInside = 0, edges = 0, stretched = 0;
     PixelCount pixels;
     for (size_t i = 0; i < poses.size(); ++i) {
         DPL_RETURN_IF_ERROR(taskAt(double(i) / double(poses.size()), formatText("{} poses", poses.size())));
         clothed.pose(poses[i], jobs, posed);
+        offsets.add(poses[i], jobs);
         const std::span<const Vec3f> positions = posed.positions();
         const size_t count = verticesInside(clothed, posed, jobs);
         inside += count;
@@ -247,6 +282,7 @@ Result<ClothFaults> clothFaults(const AvatarData& avatar, std::span<const Pose> 
         faults.longestStretch = std::max(faults.longestStretch, needles.longestStretch);
         faults.longestSplatM = std::max(faults.longestSplatM, needles.longestSplatM);
     }
+    faults.offsetsAtWork = offsets.share();
     if (edges > 0) faults.stretchedEdges = double(stretched) / double(edges);
     if (pixels.all > 0) faults.skinPixels = double(pixels.skin) / double(pixels.all);
     return faults;

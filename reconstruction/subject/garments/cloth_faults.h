@@ -48,6 +48,7 @@ struct ClothFaults {
     double longestSplatM = 0;       // of all garments
     PixelFault outside, uncovered;  // of all garments
     double skinPixels = 0;          // of the garments' pixels seen from four sides, the share in which the covered body comes through
+    double offsetsAtWork = 1;       // length of the garments' learned offsets as drawn, over that without reaches; 1 without any
     std::vector<GarmentNeedles> garments;
 };
 

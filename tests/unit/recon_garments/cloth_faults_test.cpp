@@ -5,6 +5,7 @@
 
 #include <gtest/gtest.h>
 
+#include "sdk/format/motion_modes.h"
 #include "tests/unit/heard_task.h"
 #include "tests/unit/must.h"
 
@@ -109,6 +110,27 @@ TEST(ClothFaults, aTornCoatHasStretchedEdges) {
     const ClothFaults faults = faultsOf(avatar, torn);
     EXPECT_DOUBLE_EQ(faults.stretchedEdges, 16.0 / 36) << "two of three edges of each side's triangles";
     EXPECT_NEAR(faults.longestStretch, std::hypot(1.3, 0.26) / 0.26, 1e-3);
+}
+
+TEST(ClothFaults, offsetsAtWorkAreTheShareThatReachesLeave) {
+    AvatarData avatar = closelyDressed();
+    EXPECT_EQ(faultsOf(avatar, Pose::rest(2)).offsetsAtWork, 1) << "nothing is learned";
+    PoseCorrectiveData& c = avatar.correctives;
+    c.modeCount = 1, c.nodeCount = 2, c.joints = {1}, c.mean.assign(6, 0), c.modes = {0, 0, 0, 0, 0, 1}, c.reach = 0.25f;  // sin of a bend
+    c.nodes = {Vec4f(0.01f, 0, 0, 0), Vec4f(5, 0, 0, 0)};  // the body's own does not count
+    for (size_t v = 0; v < avatar.mesh.restPositions.size(); ++v)
+        c.nodeIndices.push_back({uint16_t(v < 8), 0, 0, 0}), c.nodeWeights.push_back({255, 0, 0, 0});
+    Pose bent = Pose::rest(2);
+    bent.localRotations[1] = glm::angleAxis(0.2f, Vec3f(1, 0, 0));
+    EXPECT_NEAR(faultsOf(avatar, bent).offsetsAtWork, 1, 1e-6) << "within reach";
+    bent.localRotations[1] = glm::angleAxis(1.57079633f, Vec3f(1, 0, 0));
+    EXPECT_NEAR(faultsOf(avatar, bent).offsetsAtWork, 0.25, 1e-5);
+    MotionModeData m;
+    m.groups = {{.columnCount = 1, .reach = 0.5f}}, m.joints = {1}, m.still = {{0, 0, 0, 1}}, m.rangeRad = {{0, 1}}, m.holdsS = {0};
+    m.modes = {1, 0};  // has moved
+    addMotionModes(c, m);
+    c.nodes[0] = Vec4f(0), c.nodes[1] = {0.01f, 0, 0, 0};  // of the garments: bend, has moved
+    EXPECT_NEAR(faultsOf(avatar, bent).offsetsAtWork, 0.5, 1e-5) << "motion modes have reaches too";
 }
 
 TEST(ClothFaults, needlesAreMeasuredForEachGarment) {
