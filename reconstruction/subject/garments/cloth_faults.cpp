@@ -110,11 +110,6 @@ double longestSplatM(const Clothed& clothed, const LayerData& garment, std::span
     return longest;
 }
 
-void grow(GarmentNeedles& needles, const EdgeCount& edges, double splatM) {
-    needles.longestStretch = std::max(needles.longestStretch, edges.longest);
-    needles.longestSplatM = std::max(needles.longestSplatM, splatM);
-}
-
 /** Sums a fault over the poses. */
 struct PixelTally {
     PixelFault fault;
@@ -132,31 +127,49 @@ struct DrawnTally {
     void add(size_t pose, const GarmentPixels& p) { outside.add(pose, p.outside, p.drawn), uncovered.add(pose, p.uncovered, p.outline); }
 };
 
-/** Draws the poses of garments and sums what is wrong, for each and for all together. */
-class DrawnFaults {
+/** Sums over the poses what is wrong with each garment, and with all together. */
+class NeedleTally {
 public:
-    DrawnFaults(const Clothed& clothed, Jobs& jobs)
-        : pictures_(clothed.avatar, clothed.garments, jobs), tallies_(clothed.garments.size()) {}
+    NeedleTally(const Clothed& clothed, Jobs& jobs)
+        : clothed_(clothed), pictures_(clothed.avatar, clothed.garments, jobs), drawn_(clothed.garments.size()) {
+        for (const LayerData* garment : clothed.garments) needles_.push_back({.name = garment->name});
+    }
+
     void add(size_t pose, const PosedMesh& posed) {
-        const std::vector<GarmentPixels> counts = pictures_.count(posed);
+        const std::vector<GarmentPixels> pixels = pictures_.count(posed);
         GarmentPixels sum;
-        for (size_t g = 0; g < counts.size(); ++g) {
-            tallies_[g].add(pose, counts[g]);
-            sum.drawn += counts[g].drawn, sum.outside += counts[g].outside;
-            sum.outline += counts[g].outline, sum.uncovered += counts[g].uncovered;
+        for (size_t g = 0; g < needles_.size(); ++g) {
+            const EdgeCount edges = countEdges(clothed_, *clothed_.garments[g], posed.positions());
+            edges_ += edges.edges, stretched_ += edges.stretched;
+            needles_[g].longestStretch = std::max(needles_[g].longestStretch, edges.longest);
+            needles_[g].longestSplatM = std::max(needles_[g].longestSplatM, longestSplatM(clothed_, *clothed_.garments[g], posed.frames()));
+            drawn_[g].add(pose, pixels[g]);
+            needles_[g].outside = drawn_[g].outside.fault, needles_[g].uncovered = drawn_[g].uncovered.fault;
+            sum.drawn += pixels[g].drawn, sum.outside += pixels[g].outside;
+            sum.outline += pixels[g].outline, sum.uncovered += pixels[g].uncovered;
         }
         all_.add(pose, sum);
     }
-    const DrawnTally& all() const { return all_; }
-    void write(std::vector<GarmentNeedles>& garments) const {
-        for (size_t g = 0; g < garments.size(); ++g)
-            garments[g].outside = tallies_[g].outside.fault, garments[g].uncovered = tallies_[g].uncovered.fault;
+    const std::vector<GarmentNeedles>& needles() const { return needles_; }
+
+    /** Fills what the garments have in common with the faults of the whole avatar. */
+    void write(ClothFaults& faults) const {
+        faults.garments = needles_;
+        faults.outside = all_.outside.fault, faults.uncovered = all_.uncovered.fault;
+        if (edges_ > 0) faults.stretchedEdges = double(stretched_) / double(edges_);
+        for (const GarmentNeedles& needles : needles_) {
+            faults.longestStretch = std::max(faults.longestStretch, needles.longestStretch);
+            faults.longestSplatM = std::max(faults.longestSplatM, needles.longestSplatM);
+        }
     }
 
 private:
+    const Clothed& clothed_;
     GarmentPictures pictures_;
-    std::vector<DrawnTally> tallies_;
+    std::vector<DrawnTally> drawn_;
     DrawnTally all_;
+    std::vector<GarmentNeedles> needles_;
+    size_t edges_ = 0, stretched_ = 0;
 };
 
 struct PixelCount {
@@ -226,21 +239,15 @@ double garmentPenetration(const AvatarData& avatar, std::span<const Pose> poses,
 }
 
 std::vector<GarmentNeedles> clothNeedles(const AvatarData& avatar, std::span<const Pose> poses, Jobs& jobs) {
-    std::vector<GarmentNeedles> needles;
     const Clothed clothed(avatar);
-    if (clothed.empty() || poses.empty()) return needles;
-    for (const LayerData* garment : clothed.garments) needles.push_back({.name = garment->name});
-    DrawnFaults drawn(clothed, jobs);
+    if (clothed.empty() || poses.empty()) return {};
+    NeedleTally tally(clothed, jobs);
     PosedMesh posed;
     for (size_t i = 0; i < poses.size(); ++i) {
         clothed.pose(poses[i], jobs, posed);
-        for (size_t g = 0; g < needles.size(); ++g)
-            grow(needles[g], countEdges(clothed, *clothed.garments[g], posed.positions()),
-                 longestSplatM(clothed, *clothed.garments[g], posed.frames()));
-        drawn.add(i, posed);
+        tally.add(i, posed);
     }
-    drawn.write(needles);
-    return needles;
+    return tally.needles();
 }
 
 Result<ClothFaults> clothFaults(const AvatarData& avatar, std::span<const Pose> poses, Jobs& jobs) {
@@ -248,42 +255,29 @@ Result<ClothFaults> clothFaults(const AvatarData& avatar, std::span<const Pose> 
     const Clothed clothed(avatar);
     if (clothed.empty() || poses.empty()) return faults;
     const std::vector<uint8_t> covered = coveredTriangles(clothed);
-    for (const LayerData* garment : clothed.garments) faults.garments.push_back({.name = garment->name});
-    DrawnFaults drawn(clothed, jobs);
+    NeedleTally tally(clothed, jobs);
     OffsetSum offsets(clothed);
     PosedMesh posed;
-    size_t inside = 0, mostInside = 0, edges = 0, stretched = 0;
+    size_t inside = 0, mostInside = 0;
     PixelCount pixels;
     for (size_t i = 0; i < poses.size(); ++i) {
         DPL_RETURN_IF_ERROR(taskAt(double(i) / double(poses.size()), formatText("{} poses", poses.size())));
         clothed.pose(poses[i], jobs, posed);
+        tally.add(i, posed);
         offsets.add(poses[i], jobs);
-        const std::span<const Vec3f> positions = posed.positions();
         const size_t count = verticesInside(clothed, posed, jobs);
         inside += count;
         if (count > mostInside) mostInside = count, faults.worstPose = i;
-        for (size_t g = 0; g < clothed.garments.size(); ++g) {
-            const EdgeCount count = countEdges(clothed, *clothed.garments[g], positions);
-            edges += count.edges, stretched += count.stretched;
-            grow(faults.garments[g], count, longestSplatM(clothed, *clothed.garments[g], posed.frames()));
-        }
         std::vector<PixelCount> sides(kSides);
         jobs.forRange(kSides, 1, [&](size_t begin, size_t end, uint32_t) {
             for (size_t side = begin; side < end; ++side)
-                sides[side] = countPixels(clothed, covered, positions, sideView(positions, int(side)));
+                sides[side] = countPixels(clothed, covered, posed.positions(), sideView(posed.positions(), int(side)));
         });
         for (const PixelCount& side : sides) pixels.skin += side.skin, pixels.all += side.all;
-        drawn.add(i, posed);
     }
-    drawn.write(faults.garments);
-    faults.outside = drawn.all().outside.fault, faults.uncovered = drawn.all().uncovered.fault;
+    tally.write(faults);
     faults.penetration = double(inside) / double(clothed.vertices.size() * poses.size());
-    for (const GarmentNeedles& needles : faults.garments) {
-        faults.longestStretch = std::max(faults.longestStretch, needles.longestStretch);
-        faults.longestSplatM = std::max(faults.longestSplatM, needles.longestSplatM);
-    }
     faults.offsetsAtWork = offsets.share();
-    if (edges > 0) faults.stretchedEdges = double(stretched) / double(edges);
     if (pixels.all > 0) faults.skinPixels = double(pixels.skin) / double(pixels.all);
     return faults;
 }

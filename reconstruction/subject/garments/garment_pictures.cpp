@@ -49,7 +49,6 @@ struct GarmentPictures::State {
 
 GarmentPictures::GarmentPictures(const AvatarData& avatar, std::span<const LayerData* const> garments, Jobs& jobs)
     : state_(std::make_unique<State>(avatar, jobs)) {
-    if (avatar.splats.count() == 0) return;
     state_->all = splatsOf(avatar.splats, 0, uint32_t(avatar.mesh.triangles.size()));
     for (const LayerData* layer : garments)
         state_->garments.push_back({GrownTubes(avatar.joints, avatar.mesh, *layer),
@@ -61,7 +60,7 @@ GarmentPictures::~GarmentPictures() = default;
 
 std::vector<GarmentPixels> GarmentPictures::count(const PosedMesh& posed) {
     std::vector<GarmentPixels> counts(state_->garments.size());
-    for (int side = 0; side < kSides && !counts.empty(); ++side) {
+    for (int side = 0; side < kSides && state_->avatar.splats.count() > 0; ++side) {
         const Camerad camera = sideView(posed.positions(), side);
         const size_t pixels = size_t(camera.widthPx) * camera.heightPx;
         const auto isDrawn = [&](size_t i) { return state_->rgba[4 * i + 3] >= 128; };
