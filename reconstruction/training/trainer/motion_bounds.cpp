@@ -5,14 +5,9 @@
 #include <set>
 
 #include "reconstruction/training/correctives/motion_model.h"
+#include "reconstruction/training/trainer/priors.h"
 
 namespace dpl {
-namespace {
-
-constexpr float kMovedStrain = 0.15f;      // of the column that says that the subject has moved, whose coefficient is at most 1
-constexpr float kComponentStrain = 0.06f;  // of a component of unit variance
-
-}  // namespace
 
 MotionBounds::MotionBounds(std::span<const JointData> joints, const MeshData& mesh, const PoseCorrectiveData& c)
     : heard_(motionReachingNodes(joints, mesh, c)) {
@@ -41,7 +36,7 @@ void MotionBounds::apply(PoseCorrectiveData& c) const {
             for (const auto& [a, b, distance] : neighbours_) {
                 Vec4f &one = c.nodes[a * columns + i], &other = c.nodes[b * columns + i];
                 const Vec3f apart = Vec3f(other) - Vec3f(one);
-                const float most = (g == 0 ? kMovedStrain : kComponentStrain) * distance, length = glm::length(apart);
+                const float most = (g == 0 ? priors::kMovedStrain : priors::kComponentStrain) * distance, length = glm::length(apart);
                 if (!(length > most)) continue;
                 const Vec4f half(0.5f * (1 - most / length) * apart, 0);
                 one += half, other -= half;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Keeps the motion modes of a training run from tearing clothes in poses that it did not see. docs/reference/correctives.md, "Training"
+// Keeps the motion modes of a training run from tearing clothes in poses that it did not see. docs/reference/correctives.md, "Motion modes"
 #pragma once
 
 #include <span>

@@ -41,6 +41,16 @@ inline constexpr double kFittedPictureTrust = 0.5;
  * moving validation frames are 12.6 instead of 11.5 mm off on scan-a and 13.0 instead of 13.2 on scan-c, for 0.02 and 0.08 dB more */
 inline constexpr double kFittedDepthTrust = 0.5 / 30;
 
+// ---- Motion modes
+
+/** By how much the offsets of neighbouring nodes may differ in the column that says that the subject has moved, over their distance.
+ *  unit: ratio | origin: dev; walks and moving frames of scan-c | half, double: half not measured; double, with kComponentStrain doubled,
+ * gains 0.17 dB on moving frames and leaves lumps in a skirt that walks, whose longest edge grows from 2.6 to 2.9 times its length */
+inline constexpr float kMovedStrain = 0.15f;
+/** The same in a component of unit variance.
+ *  unit: ratio | origin: dev; walks and moving frames of scan-c | half, double: half not measured; double with kMovedStrain */
+inline constexpr float kComponentStrain = 0.06f;
+
 // ---- Backs that show
 
 /** What the frames must show of a triangle, in shares of its area, for its splats to learn; relative to the median triangle.
