@@ -202,20 +202,20 @@ public:
         for (MotionGroupData& group : unlimited_.motion.groups) group.reach = 1e30f;
     }
 
-    void add(const Pose& pose, Jobs& jobs) {
+    /** posed: the avatar in this pose. */
+    void add(const Pose& pose, const PosedMesh& posed, Jobs& jobs) {
         if (unlimited_.empty()) return;
-        drawn_ += lengthOf(clothed_.avatar.correctives, pose, jobs), learned_ += lengthOf(unlimited_, pose, jobs);
+        correctiveCoefficients(unlimited_, pose, coefficients_);
+        correctiveNodes(unlimited_, coefficients_, nodes_);
+        spreadCorrectives(unlimited_, nodes_, clothed_.avatar.mesh.restPositions, jobs, moved_, light_);
+        drawn_ += lengthOf(posed.rest()), learned_ += lengthOf(moved_);
     }
     double share() const { return learned_ > 0 ? drawn_ / learned_ : 1; }
 
 private:
-    double lengthOf(const PoseCorrectiveData& correctives, const Pose& pose, Jobs& jobs) {
-        const auto& rest = clothed_.avatar.mesh.restPositions;
-        correctiveCoefficients(correctives, pose, coefficients_);
-        correctiveNodes(correctives, coefficients_, nodes_);
-        spreadCorrectives(correctives, nodes_, rest, jobs, moved_, light_);
+    double lengthOf(std::span<const Vec3f> moved) const {
         double sum = 0;
-        for (const uint32_t v : clothed_.vertices) sum += double(glm::length(moved_[v] - rest[v]));
+        for (const uint32_t v : clothed_.vertices) sum += double(glm::length(moved[v] - clothed_.avatar.mesh.restPositions[v]));
         return sum;
     }
 
@@ -264,7 +264,7 @@ Result<ClothFaults> clothFaults(const AvatarData& avatar, std::span<const Pose> 
         DPL_RETURN_IF_ERROR(taskAt(double(i) / double(poses.size()), formatText("{} poses", poses.size())));
         clothed.pose(poses[i], jobs, posed);
         tally.add(i, posed);
-        offsets.add(poses[i], jobs);
+        offsets.add(poses[i], posed, jobs);
         const size_t count = verticesInside(clothed, posed, jobs);
         inside += count;
         if (count > mostInside) mostInside = count, faults.worstPose = i;

@@ -54,20 +54,21 @@ uint8_t toByte(float x) {
     return uint8_t(std::clamp(x + 0.5f, 0.0f, 255.0f));
 }
 
-}  // namespace
-
-std::vector<Pose> movingPoses(std::span<const TrainFrame> frames) {
+std::vector<Pose> posesOf(std::span<const TrainFrame> frames, bool moving) {
     std::vector<Pose> poses;
     for (const TrainFrame& f : frames)
-        if (f.kind == FrameKind::Dynamic) poses.push_back(f.pose);
+        if ((f.kind == FrameKind::Dynamic) == moving) poses.push_back(f.pose);
     return poses;
 }
 
+}  // namespace
+
+std::vector<Pose> movingPoses(std::span<const TrainFrame> frames) {
+    return posesOf(frames, true);
+}
+
 std::vector<Pose> stillPoses(std::span<const TrainFrame> frames) {
-    std::vector<Pose> poses;
-    for (const TrainFrame& f : frames)
-        if (f.kind != FrameKind::Dynamic) poses.push_back(f.pose);
-    return poses;
+    return posesOf(frames, false);
 }
 
 Result<std::shared_ptr<const FramePicture>> checkedPicture(const TrainFrame& f) {

@@ -108,7 +108,10 @@ for path in sys.argv[2:]:
     if not validator.is_valid({**good, "version": 3, "poseCorrectives": dict(CORRECTIVES, motion=MOTION)}):
         failures += 1
         print(f"{path}: the schema refuses good motion modes")
-    for name, bad in list(damaged(good)) + [(name, {**good, "version": 2, "poseCorrectives": c}) for name, c in damaged_correctives()] + [(name, {**good, "version": 3, "poseCorrectives": c}) for name, c in damaged_motion()]:
+    bad_files = list(damaged(good))
+    for version, damages in ((2, damaged_correctives()), (3, damaged_motion())):
+        bad_files += [(name, {**good, "version": version, "poseCorrectives": c}) for name, c in damages]
+    for name, bad in bad_files:
         if validator.is_valid(bad):
             failures += 1
             print(f"{path}: the schema accepts '{name}'")
