@@ -12,6 +12,7 @@
 #include "apps/shared/video_writer.h"
 #include "reconstruction/base/image_codec.h"
 #include "reconstruction/output/package/avatar_bytes.h"
+#include "reconstruction/run/film_memory.h"
 #include "reconstruction/run/frame_table.h"
 #include "reconstruction/run/run_scan.h"
 #include "sdk/core/files.h"
@@ -73,7 +74,11 @@ Status makeFrameFolder(const fs::path& folder, const std::function<bool(const st
 /** --scan: one PNG with straight alpha per frame, named like the frame, from the camera of the reconstruction and the pose found for it. */
 Result<Drawn> renderScan(const RenderOptions& options, const doppel::Context& context, doppel::Avatar& avatar, Progress& progress) {
     const fs::path posesPath = options.poses.empty() ? options.avatar.parent_path() / "poses.json" : options.poses;
-    DPL_TRY(const RunScan run, readRunScan(options.scan, posesPath));
+    DPL_TRY(RunScan run, readRunScan(options.scan, posesPath));
+    DPL_TRY(const auto bytes, readAvatarBytes(options.avatar));
+    DPL_TRY(const AvatarData data, avatarOf(options.avatar, bytes, "poses"));
+    const MotionModeData& motion = data.correctives.motion;
+    rememberPoses(run.scan, motion, run.poses);
     std::vector<size_t> frames;
     for (size_t f = 0; f < run.scan.frames.size(); ++f)
         if (options.split == "all" || splitName(run.scan.frames[f].split) == options.split) frames.push_back(f);
@@ -91,6 +96,7 @@ Result<Drawn> renderScan(const RenderOptions& options, const doppel::Context& co
         static_assert(sizeof(Quatf) == 4 * sizeof(float), "GLM keeps quaternions as xyzw");
         if (auto set = avatar.setPose({&pose.localRotations[0].x, pose.localRotations.size() * 4}, {&pose.rootTranslation.x, 3}); !set)
             return fromSdk(set.error());
+        if (auto set = avatar.setMotionState(motionStateBytes(motion, pose)); !set) return fromSdk(set.error());
         const Cameraf camera = run.cameras[frames[i]].scaled(options.scale).cast<float>();
         const DplAvatar row[1] = {avatar.handle()};
         DPL_TRY(auto pixels, drawViews(context, row, {&camera, 1}));
@@ -112,7 +118,10 @@ Status moveAside(doppel::Avatar& avatar, double metres) {
     if (dplGetPose(avatar.handle(), rotations.data(), info->jointCount, root) != DPL_OK)
         return fail(Code::Internal, "{}", dplGetLastError());
     root[0] += float(metres);
+    const auto remembered = avatar.motionState();
+    if (!remembered) return fromSdk(remembered.error());
     if (auto set = avatar.setPose(rotations, root); !set) return fromSdk(set.error());
+    if (auto set = avatar.setMotionState(*remembered); !set) return fromSdk(set.error());
     return {};
 }
 

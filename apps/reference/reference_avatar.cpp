@@ -80,8 +80,8 @@ std::vector<glm::dmat4> referenceJointTransforms(const std::vector<JointData>& j
     return world;
 }
 
-/** The coefficients of the motion modes for a pose that was held for ever. The angle between two rotations is that of R·Sᵀ, by its trace
- *  and its antisymmetric part. */
+/** The coefficients of the motion modes in a pose, with what is held of earlier ones. The angle between two rotations is that of R·Sᵀ, by
+ *  its trace and its antisymmetric part. */
 std::vector<double> referenceMotion(const MotionModeData& m, const Pose& pose) {
     std::vector<double> inputs(1 + m.joints.size(), 0.0), k;
     double distance = 0;
@@ -94,12 +94,22 @@ std::vector<double> referenceMotion(const MotionModeData& m, const Pose& pose) {
         inputs[1 + j] = std::min(std::max(angle - double(m.rangeRad[j].x), 0.0), double(m.rangeRad[j].y));
     }
     inputs[0] = smoothstep(double(m.movedFromRad), double(m.movedToRad), std::sqrt(distance));
+    std::vector<double> features;
+    for (size_t h = 0; h < m.holdsS.size(); ++h)
+        for (const double input : inputs) features.push_back(std::max(pose.before.held[features.size()], input));
+    for (size_t l = 0, i = 0; l < m.lagsS.size(); ++l)  // y − u with y = lagged + (1 − earlier)·u
+        for (const uint32_t joint : m.joints) {
+            const glm::dmat3 turned = rotationOf(pose.localRotations[joint]) - glm::dmat3(1);
+            for (int column = 0; column < 2; ++column)
+                for (int row = 0; row < 3; ++row, ++i)
+                    features.push_back(pose.before.lagged[i] - pose.before.earlier[l] * turned[column][row]);
+        }
     for (const MotionGroupData& group : m.groups) {
         double squares = 0;
         for (uint32_t c = 0; c < group.columnCount; ++c) {
-            const size_t row = k.size() * m.holdsS.size() * inputs.size();
+            const size_t row = k.size() * features.size();
             double sum = 0;
-            for (size_t i = 0; i < m.holdsS.size() * inputs.size(); ++i) sum += double(m.modes[row + i]) * inputs[i % inputs.size()];
+            for (size_t i = 0; i < features.size(); ++i) sum += double(m.modes[row + i]) * features[i];
             squares += sum * sum;
             k.push_back(sum);
         }

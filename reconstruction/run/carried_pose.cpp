@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "reconstruction/run/carried_pose.h"
 
+#include "reconstruction/run/film_memory.h"
+
 namespace dpl {
 namespace {
 
@@ -47,6 +49,21 @@ Pose carriedPose(const Scan& scan, const std::vector<Pose>& registered, const st
     }
     pose.rootTranslation += glm::mix(a.rootTranslation - untrainedA.rootTranslation, b.rootTranslation - untrainedB.rootTranslation, t);
     return pose;
+}
+
+std::vector<Pose> posesAfterTraining(const FrameTable& table, const std::vector<Pose>& registered, const CoOptimiseResult& trained,
+                                     const MotionModeData& motion) {
+    const std::vector<const Pose*> byFrame = trainedPoses(table, trained);
+    std::vector<Pose> poses;
+    for (size_t row = 0; row < table.rows(); ++row) {
+        const bool trains = table.scan.frames[row].split == Split::Train;
+        if (byFrame[row])
+            poses.push_back(*byFrame[row]);
+        else
+            poses.push_back(trains ? registered[row] : carriedPose(table.scan, registered, byFrame, row));
+    }
+    rememberPoses(table.scan, motion, poses);
+    return poses;
 }
 
 }  // namespace dpl

@@ -9,6 +9,7 @@
 #include "sdk/avatar/body_shape.h"
 #include "sdk/core/files.h"
 #include "sdk/motion/clip.h"
+#include "sdk/motion/clip_memory.h"
 #include "sdk/motion/motion_clip.h"
 
 namespace dpl {
@@ -85,11 +86,13 @@ Result<std::string> clothesInMotion(const std::filesystem::path& path, const std
     if (!clip) return inFile(clipPath, clip.error());
     const double duration = clipDurationS(*clip);
     const size_t count = std::clamp(size_t(duration * kPosesPerSecond) + 1, size_t(1), kMostPoses);
+    ClipMemory memory(*clip, avatar.joints, avatar.correctives.motion);
     std::vector<double> timesS;
     std::vector<Pose> poses;
     for (size_t i = 0; i < count; ++i) {
         timesS.push_back(count > 1 ? duration * double(i) / double(count - 1) : 0);
         poses.push_back(samplePose(*clip, avatar.joints, timesS.back()));
+        poses.back().before = memory.at(timesS.back(), /*loop=*/false);
     }
     Jobs jobs(0);
     progress.beginStage("clothes in motion");

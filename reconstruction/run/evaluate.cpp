@@ -7,6 +7,7 @@
 #include "reconstruction/judging/report/plain_words.h"
 #include "reconstruction/judging/report/published_score.h"
 #include "reconstruction/output/package/avatar_bytes.h"
+#include "reconstruction/run/film_memory.h"
 #include "reconstruction/run/frame_scores.h"
 #include "reconstruction/run/portrait.h"
 #include "reconstruction/run/run_scan.h"
@@ -47,7 +48,8 @@ Result<std::string> evaluateAvatar(const EvaluateOptions& options, Progress& pro
     FrameTable table;
     DPL_TRY(RunScan shown, readRunScan(options.scan, posesPath));
     table.scan = std::move(shown.scan);
-    const PosesFile& poses = shown.poses;
+    PosesFile& poses = shown.poses;
+    rememberPoses(table.scan, avatar.correctives.motion, poses);
     const std::vector<Camerad>& cameras = shown.cameras;
     if (!options.lpips.empty() && table.scan.protocol.empty())
         return fail(Code::InvalidArgument, "{} states no published protocol, so LPIPS has no use; leave --lpips out",

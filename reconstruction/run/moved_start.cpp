@@ -21,9 +21,8 @@ Result<std::vector<SurfaceView>> movedViews(const CoOptimiseInput& input) {
     std::vector<const TrainFrame*> moved;
     for (const TrainFrame& frame : input.frames) {
         if (frame.kind != FrameKind::Dynamic) continue;
-        MotionState state;
-        settleMotion(input.correctives.motion, frame.pose, state);
-        if (state.held[0] > kHasMoved) moved.push_back(&frame);
+        const MotionModeData& motion = input.correctives.motion;
+        if (stateOf(motion, frame.pose).held[hasMoved(motion)] > kHasMoved) moved.push_back(&frame);
     }
     std::vector<SurfaceView> views;
     if (moved.size() < kLeastViews) return views;

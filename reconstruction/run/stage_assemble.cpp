@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "reconstruction/output/package/sh_palette.h"
+#include "reconstruction/run/film_memory.h"
 #include "reconstruction/run/mesh_votes.h"
 #include "reconstruction/run/scan_motion.h"
 #include "reconstruction/run/stage_body_fit.h"
@@ -70,7 +71,9 @@ Result<AssembledAvatar> StageOf<AssembledAvatar>::compute(StageInputs& in) {
     if (trained.poses.size() != out.frames.size())
         return fail(Code::CorruptData, "the trained file has {} poses for {} frames; delete the co-optimise stage and run again",
                     trained.poses.size(), out.frames.size());
-    for (size_t i = 0; i < out.frames.size(); ++i) out.frames[i].pose = trained.poses[i];
+    std::vector<Pose> poses = trained.poses;
+    rememberPoses(table->scan, set.rows, trained.correctives.motion, poses);
+    for (size_t i = 0; i < out.frames.size(); ++i) out.frames[i].pose = poses[i];
 
     AvatarData& avatar = out.avatar;
     avatar.name = table->scan.name;

@@ -21,7 +21,7 @@ struct AssembledAvatar {
 
 template <>
 struct StageOf<AssembledAvatar> {
-    static constexpr StageName kName{"assemble", 2};
+    static constexpr StageName kName{"assemble", 3};
     static constexpr const char* kPriors[] = {"input/cameras",   "input/capture",        "subject/garments",
                                               "subject/surface", "training/correctives", "training/trainer"};
     static Status inputs(StageInputs& in);

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <optional>
 
+#include "reconstruction/run/film_memory.h"
 #include "reconstruction/run/moved_start.h"
 #include "reconstruction/run/run_request.h"
 #include "reconstruction/run/settings_json.h"
@@ -25,19 +26,24 @@ namespace {
 
 constexpr uint32_t kProbeSteps = 60;
 
-Result<CoOptimiseInput> trainingInput(const FittedBody& body, const GarmentLayers& layers, bool withMotion,
-                                      std::vector<TrainFrame> frames) {
+Result<CoOptimiseInput> trainingInput(const FittedBody& body, const GarmentLayers& layers, bool withMotion, const Scan& scan,
+                                      FrameSet set) {
+    std::vector<TrainFrame>& frames = set.frames;
     CoOptimiseInput input;
     input.joints = body.shaped.joints;
     input.mesh = layers.clothed.mesh;
     input.triangleLabel = layers.clothed.triangleLabel;
     DPL_TRY(input.correctives, correctiveModel(input.joints, input.mesh, movingPoses(frames)));
     if (withMotion && !input.correctives.empty()) {
-        DPL_TRY(MotionModeData motion, motionModel(input.joints, stillPoses(frames), movingPoses(frames)));
+        DPL_TRY(MotionModeData motion, motionModel(input.joints, stillPoses(frames), movingPoses(frames), movingTimesS(scan, set.rows)));
+        rememberFrames(scan, motion, set);
         addMotionModes(input.correctives, std::move(motion));
     }
-    input.frames = std::move(frames);
     input.stress = stressPoses(input.joints);
+    for (const TrainFrame& frame : frames)  // strange poses come to those who have moved
+        if (frame.kind == FrameKind::Dynamic)
+            for (Pose& pose : input.stress) pose.before.held = frame.pose.before.held;
+    input.frames = std::move(frames);
     return input;
 }
 
@@ -121,6 +127,7 @@ Status StageOf<Training>::make(StageInputs& in, StageContext& context) {
         return {};
     };
     if (readTrained(in, context.folder)) return dropCheckpoint();  // a run that was killed after its last file
+    DPL_TRY(const FrameTable* table, in.of<FrameTable>());
     DPL_TRY(const RunSettings* settings, in.of<RunSettings>());
     DPL_TRY(const FittedBody* body, in.of<FittedBody>());
     DPL_TRY(const GarmentLayers* layers, in.of<GarmentLayers>());
@@ -129,7 +136,7 @@ Status StageOf<Training>::make(StageInputs& in, StageContext& context) {
     (void)taskAt(0, "reading pictures");  // a stop is heard by the training, which leaves a checkpoint
     DPL_TRY(FrameSet set, registeredFrames(in, Split::Train));
     if (set.frames.empty()) return fail(Code::InvalidArgument, "no usable training frames");
-    DPL_TRY(CoOptimiseInput input, trainingInput(*body, *layers, settings->training.learnMotion, std::move(set.frames)));
+    DPL_TRY(CoOptimiseInput input, trainingInput(*body, *layers, settings->training.learnMotion, table->scan, std::move(set)));
     DPL_TRY(const MovedStart start, startMovedColumn(input, in.jobs()));
     if (start.views > 0)
         context.progress.detail(formatText("outlines of {} moving pictures: overlap {} before and {} after clothes have moved", start.views,

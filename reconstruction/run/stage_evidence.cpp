@@ -59,9 +59,9 @@ Result<Jury> chooseJury(StageInputs& in, const AssembledAvatar& assembled) {
     DPL_TRY(const Training* training, in.of<Training>());
     Jury jury;
     DPL_TRY(FrameSet set, registeredFrames(in, Split::Validation));
-    const std::vector<const Pose*> trained = trainedPoses(*table, training->result);
-    for (size_t i = 0; i < set.frames.size(); ++i)
-        set.frames[i].pose = carriedPose(table->scan, registered->poses.poses, trained, set.rows[i]);
+    const std::vector<Pose> poses =
+        posesAfterTraining(*table, registered->poses.poses, training->result, assembled.avatar.correctives.motion);
+    for (size_t i = 0; i < set.frames.size(); ++i) set.frames[i].pose = poses[set.rows[i]];
     jury.frames = std::move(set.frames);
     if (jury.judging() > 0) return jury;
     jury.frames.clear();

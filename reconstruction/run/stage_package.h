@@ -13,7 +13,7 @@ struct Package {
 
 template <>
 struct StageOf<Package> {
-    static constexpr StageName kName{"package", 7};
+    static constexpr StageName kName{"package", 8};
     static constexpr const char* kPriors[] = {"input/cameras",   "input/capture",        "subject/garments",
                                               "subject/surface", "training/correctives", "training/trainer"};
     static Status inputs(StageInputs& in);

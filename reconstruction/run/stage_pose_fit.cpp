@@ -57,17 +57,14 @@ Status StageOf<FoundPoses>::make(StageInputs& in, StageContext& context) {
     poses.avatarHash = info.contentHash;
     for (const JointData& joint : avatar.joints) poses.jointNames.push_back(joint.name), poses.restPositions.push_back(joint.restPosition);
     if (!scan.metricWorld) poses.metresPerUnit = body->fit.metresPerUnit;
-    const std::vector<const Pose*> trained = trainedPoses(*table, training->result);
+    const std::vector<Pose> found = posesAfterTraining(*table, registered->poses.poses, training->result, avatar.correctives.motion);
     size_t judged = 0, done = 0;
     for (const ScanFrame& frame : scan.frames) judged += frame.split != Split::Train;
     for (size_t row = 0; row < table->rows(); ++row) {
         const ScanFrame& frame = scan.frames[row];
-        FramePose entry{frame.name, frame.kind, frame.split, registered->poses[row], std::nullopt};
-        if (frame.split == Split::Train) {
-            if (trained[row]) entry.pose = *trained[row];
-        } else {
+        FramePose entry{frame.name, frame.kind, frame.split, found[row], std::nullopt};
+        if (frame.split != Split::Train) {
             DPL_RETURN_IF_ERROR(taskAt(double(done++) / double(judged), frame.name));
-            entry.pose = carriedPose(scan, registered->poses.poses, trained, row);
             TrainFrame shown = table->frame(row, metric->cameras[row], entry.pose);
             shown.precision = registered->precisions[row];
             // A frame whose picture cannot be used keeps its carried pose.

@@ -16,7 +16,7 @@ struct FoundPoses {
 
 template <>
 struct StageOf<FoundPoses> {
-    static constexpr StageName kName{"pose-fit", 8};
+    static constexpr StageName kName{"pose-fit", 9};
     static constexpr const char* kPriors[] = {"input/cameras",   "input/capture",        "subject/garments",
                                               "subject/surface", "training/correctives", "training/trainer"};
     static Status inputs(StageInputs& in);

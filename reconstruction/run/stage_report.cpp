@@ -11,6 +11,7 @@
 #include "reconstruction/judging/report/report.h"
 #include "reconstruction/judging/report/score.h"
 #include "reconstruction/run/detail_figures.h"
+#include "reconstruction/run/film_memory.h"
 #include "reconstruction/run/frame_scores.h"
 #include "reconstruction/run/portrait.h"
 #include "reconstruction/run/scale_figures.h"
@@ -214,9 +215,11 @@ Status StageOf<ReportFiles>::make(StageInputs& in, StageContext& context) {
     DPL_TRY(const SettingsAfterTraining* after, in.of<SettingsAfterTraining>());
     DPL_TRY(const MappedBody* mapped, in.of<MappedBody>());
     DPL_TRY(const Package* package, in.of<Package>());
-    DPL_TRY(const FoundPoses* found, in.of<FoundPoses>());
+    DPL_TRY(const FoundPoses* read, in.of<FoundPoses>());
     const RunSettings& settings = after->settings;
     DPL_TRY(AvatarData avatar, readAvatar(package->bytes));
+    PosesFile found = read->poses;
+    rememberPoses(table->scan, avatar.correctives.motion, found);
     DPL_TRY(AvatarInfo info, inspectAvatar(package->bytes));
     ReportData data;
     data.title = "Doppel: " + table->scan.name;
@@ -233,16 +236,16 @@ Status StageOf<ReportFiles>::make(StageInputs& in, StageContext& context) {
     data.verdict = table->verdict + table->validation + "\n";
     data.length = {training->steps, settingsOf({}).training.steps};
     DPL_TRY(auto view, AvatarView::open(package->bytes, in.jobs().threadCount()));
-    DPL_TRY(data.portrait, drawPortrait(table->scan, metric->cameras, found->poses, avatar, view, in.jobs()));
+    DPL_TRY(data.portrait, drawPortrait(table->scan, metric->cameras, found, avatar, view, in.jobs()));
     DPL_TRY(const LabelColours labelColours, gatherLabelColours(*table));
-    const std::vector<Pose> poses = found->poses.poses();
+    const std::vector<Pose> poses = found.poses();
     const FrameSet heldOut = table->frames(Split::Test, metric->cameras, poses);
-    DPL_TRY(data.frames, scoreFrames(labelColours, heldOut, avatar, view, found->poses, true, in.jobs()));
+    DPL_TRY(data.frames, scoreFrames(labelColours, heldOut, avatar, view, found, true, in.jobs()));
     const FrameSet validation = table->frames(Split::Validation, metric->cameras, poses);
-    DPL_TRY(data.validation, scoreFrames(labelColours, validation, avatar, view, found->poses, false, in.jobs()));
-    DPL_TRY(data.ladder, measureLadder({table->scan, metric->cameras, avatar, found->poses}, in.jobs()));
-    DPL_RETURN_IF_ERROR(addScaleFigures(table->scan.root, view, heldOut, found->poses, data));
-    DPL_RETURN_IF_ERROR(addDetailFigures(table->scan, view, heldOut, found->poses, data));
+    DPL_TRY(data.validation, scoreFrames(labelColours, validation, avatar, view, found, false, in.jobs()));
+    DPL_TRY(data.ladder, measureLadder({table->scan, metric->cameras, avatar, found}, in.jobs()));
+    DPL_RETURN_IF_ERROR(addScaleFigures(table->scan.root, view, heldOut, found, data));
+    DPL_RETURN_IF_ERROR(addDetailFigures(table->scan, view, heldOut, found, data));
     for (const StageRecord& s : in.records()) data.stages.push_back({s.name, s.seconds, s.peakBytes, s.reused});
     PlotSeries loss{"total", {}, {}}, psnr{"masked", {}, {}};
     for (const CurvePoint& p : training->result.curve) {
@@ -251,7 +254,7 @@ Status StageOf<ReportFiles>::make(StageInputs& in, StageContext& context) {
     }
     data.lossCurves = {loss};
     data.psnrCurves = {psnr};
-    addRegistration(table->scan, *body, found->poses, data);
+    addRegistration(table->scan, *body, found, data);
     const StepProfile& profile = training->result.profile;
     const auto add = [&data](const char* key, const std::string& group, const char* name, const char* unit, double value) {
         data.figures.push_back({key, group, name, unit, value, {}});

@@ -10,7 +10,7 @@ namespace dpl {
 namespace {
 
 constexpr uint32_t kMagic = 0x4e525444;  // "DTRN"
-constexpr uint32_t kVersion = 4;
+constexpr uint32_t kVersion = 5;
 
 void putPose(Writer& out, const Pose& pose) {
     putArray(out, pose.localRotations);

@@ -19,6 +19,8 @@
 #include "sdk/draw/renderer.h"
 #include "sdk/format/avatar_data.h"
 #include "sdk/include/doppel/doppel.h"
+#include "sdk/motion/clip_memory.h"
+#include "sdk/motion/motion_clock.h"
 
 namespace dpl::api {
 
@@ -57,16 +59,23 @@ struct Avatar {
     RenderAvatarId renderId = 0;
     Vec3f restMin{0}, restMax{0};
     Pose pose, givenPose;                                          // givenPose: scratch of dplSetPose
+    MotionClock clock;                                             // of `pose`
     uint32_t drawnViews = 0, drawnWidthPx = 0, drawnHeightPx = 0;  // of the last frame that belongs to this avatar; 0 views: none
     bool drawnDepth = false, drawnMeshDepth = false;
     Governor governor;                             // of the pictures that belong to this avatar
     FrameTiming timing;                            // of their last finished frame that was seen
     std::vector<std::unique_ptr<ClipData>> added;  // by dplLoadClip
     std::vector<const ClipData*> clips;            // of the file, then of `added`
+    std::vector<ClipMemory> clipMemories;          // of `clips`
     std::vector<Mat3x4f> transforms;               // scratch of dplGetJointPositions and dplGetNearestDistance
     PoseTrust trust;                               // scratch of dplGetPoseTrust
     FrameStats stats;                              // result of the last dplGetFrameStats
     ~Avatar();
+
+    void addClip(const ClipData& clip) {
+        clips.push_back(&clip);
+        clipMemories.emplace_back(clip, data->joints, data->correctives.motion);
+    }
 };
 
 /** Objects by handle. Handles are numbers that are never reused, so a stale handle is not found. Any thread. */

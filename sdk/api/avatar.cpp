@@ -2,6 +2,7 @@
 // Avatars: queries and poses.
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "sdk/api/api_state.h"
 #include "sdk/avatar/capture_zoom.h"
@@ -35,6 +36,31 @@ Status checkTrained(const Avatar& avatar) {
 
 Status wrongJointCount(const Avatar& avatar, uint32_t jointCount) {
     return fail(Code::InvalidArgument, "jointCount is {}, the avatar has {} joints", jointCount, avatar.data->joints.size());
+}
+
+/** timeNs: none for dplSetPose, which knows no time. */
+Status setPose(DplAvatar avatar, const float* rotations, uint32_t jointCount, const float* rootTranslation, std::optional<int64_t> timeNs) {
+    if (rotations == nullptr) return fail(Code::InvalidArgument, "rotations is NULL");
+    DPL_TRY(const auto found, avatarOf(avatar));
+    DPL_RETURN_IF_ERROR(checkPosable(*found));
+    if (jointCount != found->data->joints.size()) return wrongJointCount(*found, jointCount);
+    std::lock_guard lock(found->context->mutex);
+    Pose& pose = found->givenPose;  // reused, because apps set a pose every frame; found->pose stays unless all checks pass
+    pose.localRotations.resize(jointCount);
+    for (uint32_t j = 0; j < jointCount; ++j) {
+        const float* q = rotations + size_t(j) * 4;
+        pose.localRotations[j] = Quatf(q[3], q[0], q[1], q[2]);
+    }
+    pose.rootTranslation = rootTranslation != nullptr ? Vec3f(rootTranslation[0], rootTranslation[1], rootTranslation[2]) : Vec3f(0);
+    DPL_RETURN_IF_ERROR(checkPose(found->data->joints, pose));
+    for (Quatf& q : pose.localRotations) q = glm::normalize(q);
+    pose.before = {};
+    std::swap(found->pose, pose);
+    if (timeNs)
+        found->clock.setTime(*timeNs);
+    else
+        found->clock.setUntimed();
+    return {};
 }
 
 }  // namespace
@@ -117,23 +143,47 @@ DplResult dplFindJoint(DplAvatar avatar, const char* name, uint32_t* joint) {
 }
 
 DplResult dplSetPose(DplAvatar avatar, const float* rotations, uint32_t jointCount, const float* rootTranslation) {
-    return guarded("dplSetPose", [&]() -> Status {
-        if (rotations == nullptr) return fail(Code::InvalidArgument, "rotations is NULL");
+    return guarded("dplSetPose", [&] { return setPose(avatar, rotations, jointCount, rootTranslation, std::nullopt); });
+}
+
+DplResult dplSetPoseAtTime(DplAvatar avatar, const float* rotations, uint32_t jointCount, const float* rootTranslation, int64_t timeNs) {
+    return guarded("dplSetPoseAtTime", [&] { return setPose(avatar, rotations, jointCount, rootTranslation, timeNs); });
+}
+
+DplResult dplSettle(DplAvatar avatar) {
+    return guarded("dplSettle", [&]() -> Status {
         DPL_TRY(const auto found, avatarOf(avatar));
         DPL_RETURN_IF_ERROR(checkPosable(*found));
-        if (jointCount != found->data->joints.size()) return wrongJointCount(*found, jointCount);
         std::lock_guard lock(found->context->mutex);
-        Pose& pose = found->givenPose;  // reused, because apps set a pose every frame; found->pose stays unless all checks pass
-        pose.localRotations.resize(jointCount);
-        for (uint32_t j = 0; j < jointCount; ++j) {
-            const float* q = rotations + size_t(j) * 4;
-            pose.localRotations[j] = Quatf(q[3], q[0], q[1], q[2]);
-        }
-        pose.rootTranslation = rootTranslation != nullptr ? Vec3f(rootTranslation[0], rootTranslation[1], rootTranslation[2]) : Vec3f(0);
-        DPL_RETURN_IF_ERROR(checkPose(found->data->joints, pose));
-        for (Quatf& q : pose.localRotations) q = glm::normalize(q);
-        std::swap(found->pose, pose);
+        found->clock.settle(found->pose);
         return {};
+    });
+}
+
+DplResult dplGetMotionState(DplAvatar avatar, uint8_t* state, size_t capacity, size_t* size) {
+    return guarded("dplGetMotionState", [&]() -> Status {
+        if (size == nullptr) return fail(Code::InvalidArgument, "size is NULL");
+        DPL_TRY(const auto found, avatarOf(avatar));
+        DPL_RETURN_IF_ERROR(checkPosable(*found));
+        std::lock_guard lock(found->context->mutex);
+        const MotionModeData& motion = found->data->correctives.motion;
+        if (state != nullptr) found->clock.show(motion, found->pose);
+        const std::vector<uint8_t> bytes = found->clock.save(motion);
+        if (state != nullptr && capacity < bytes.size())
+            return fail(Code::InvalidArgument, "capacity is {}; the motion state has {} bytes", capacity, bytes.size());
+        if (state != nullptr) std::copy(bytes.begin(), bytes.end(), state);
+        *size = bytes.size();
+        return {};
+    });
+}
+
+DplResult dplSetMotionState(DplAvatar avatar, const uint8_t* state, size_t size) {
+    return guarded("dplSetMotionState", [&]() -> Status {
+        if (state == nullptr) return fail(Code::InvalidArgument, "state is NULL");
+        DPL_TRY(const auto found, avatarOf(avatar));
+        DPL_RETURN_IF_ERROR(checkPosable(*found));
+        std::lock_guard lock(found->context->mutex);
+        return found->clock.restore(found->data->correctives.motion, {state, size}, found->pose);
     });
 }
 

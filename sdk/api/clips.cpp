@@ -45,6 +45,8 @@ DplResult dplSetPoseFromClip(DplAvatar avatar, uint32_t clip, double timeS, int 
         double t = timeS;
         if (loop != DPL_FALSE && duration > 0) t -= std::floor(t / duration) * duration;
         samplePose(*data, found->data->joints, t, found->pose);
+        found->pose.before = found->clipMemories[clip].at(t, loop != DPL_FALSE);
+        found->clock.setUntimed();
         return {};
     });
 }
@@ -78,7 +80,7 @@ DplResult dplLoadClip(DplAvatar avatar, const uint8_t* data, size_t size, const 
         else if (made.name == "the clip")
             made.name = formatText("clip {}", found->clips.size());
         found->added.push_back(std::make_unique<ClipData>(std::move(made)));
-        found->clips.push_back(found->added.back().get());
+        found->addClip(*found->added.back());
         *clip = uint32_t(found->clips.size() - 1);
         return {};
     });

@@ -27,9 +27,12 @@ struct Scene {
     std::unique_lock<std::mutex> lock;
     std::span<const float> sceneDepthM[DPL_MAX_VIEWS];
 
-    /** The avatars in their current poses. */
+    /** The avatars in their current poses, which are shown by this: clothes remember them. */
     std::span<const Drawn> drawn(Drawn (&what)[DPL_MAX_TOGETHER]) const {
-        for (size_t i = 0; i < count; ++i) what[i] = {avatars[i]->renderId, &avatars[i]->pose};
+        for (size_t i = 0; i < count; ++i) {
+            avatars[i]->clock.show(avatars[i]->data->correctives.motion, avatars[i]->pose);
+            what[i] = {avatars[i]->renderId, &avatars[i]->pose};
+        }
         return {what, count};
     }
 };

@@ -128,6 +128,7 @@ DplResult dplSetPoseFromTracker(DplTracker tracker, int64_t displayTimeNs, DplTr
         slot->tracker->pose(displayTimeNs, !slot->overPose, slot->pose);
         DPL_RETURN_IF_ERROR(checkPose(found->data->joints, slot->pose));
         std::swap(found->pose, slot->pose);
+        found->clock.setTime(displayTimeNs);
         if (status != nullptr) return writeStruct(status, statusOf(slot->tracker->status()), "status");
         return {};
     });

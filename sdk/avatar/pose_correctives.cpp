@@ -48,11 +48,7 @@ CorrectiveDistance correctiveCoefficients(const PoseCorrectiveData& c, const Pos
     if (distance.offModes > c.reachOffModes) keep *= c.reachOffModes / distance.offModes;
     if (keep < 1)
         for (float& k : coefficients) k *= keep;
-    if (!c.motion.empty()) {
-        MotionState settled;
-        settleMotion(c.motion, pose, settled);
-        motionCoefficients(c.motion, settled, std::span(coefficients).subspan(c.modeCount));
-    }
+    if (!c.motion.empty()) motionCoefficients(c.motion, stateOf(c.motion, pose), std::span(coefficients).subspan(c.modeCount));
     return distance;
 }
 

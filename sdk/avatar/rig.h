@@ -5,6 +5,7 @@
 #include <span>
 #include <vector>
 
+#include "sdk/avatar/motion_memory.h"
 #include "sdk/core/jobs.h"
 #include "sdk/core/result.h"
 #include "sdk/format/avatar_data.h"
@@ -13,10 +14,11 @@
 namespace dpl {
 
 /** A pose of a rig: one local rotation per joint (about its rest position, relative to its parent) and the translation of the root, metres.
- */
+ *  And what cloth still holds, at the time of this pose, of the poses before it; all 0 where no time is known. */
 struct Pose {
     std::vector<Quatf> localRotations;
     Vec3f rootTranslation{0};
+    MotionMemory before{};
 
     static Pose rest(size_t jointCount) { return {std::vector<Quatf>(jointCount, Quatf(1, 0, 0, 0)), Vec3f(0)}; }
 };

@@ -74,10 +74,15 @@ struct MotionModeData {
     std::vector<Vec2f> rangeRad;          // J: rest (no input within this angle of still) and most (largest input)
     float movedFromRad = 0, movedToRad = 1;
     std::vector<float> holdsS;  // time constants of the leaks, seconds; 0: settles at once
-    std::vector<float> modes;   // K' × holds × (1 + J), inputs of a hold in a row
+    std::vector<float> lagsS;   // time constants of the lags, seconds; may be empty
+    std::vector<float> modes;   // K' × featureCount(): of each hold 1 + J inputs, then of each lag 6·J numbers
 
     bool empty() const { return groups.empty(); }
-    size_t inputCount() const { return 1 + joints.size(); }
+    size_t inputCount() const { return 1 + joints.size(); }  // of a hold
+    size_t turnCount() const { return 6 * joints.size(); }   // numbers of a lag
+    size_t heldCount() const { return holdsS.size() * inputCount(); }
+    size_t lagCount() const { return lagsS.size() * turnCount(); }
+    size_t featureCount() const { return heldCount() + lagCount(); }
     uint32_t columnCount() const {  // K'
         uint32_t count = 0;
         for (const MotionGroupData& group : groups) count += group.columnCount;

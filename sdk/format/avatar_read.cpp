@@ -317,6 +317,9 @@ struct AvatarReader {
         DPL_TRY(head.movedFromRad, fields.real("movedFrom"));
         DPL_TRY(head.movedToRad, fields.real("movedTo"));
         DPL_TRY(head.holdsS, fields.reals("holds", kMaxMotionHolds));
+        if (fields.has("lags")) {
+            DPL_TRY(head.lagsS, fields.reals("lags", kMaxMotionLags));
+        }
         DPL_TRY(const Json* streams, fields.object("streams"));
         MotionStreams<std::span<const uint8_t>> in;
         DPL_TRY(in.groups, stream(*streams, "groups"));

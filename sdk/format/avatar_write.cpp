@@ -18,6 +18,7 @@ namespace {
 Json motionModes(GlbBuilder& glb, const MotionModeData& m) {
     const auto streams = encodeMotionModes(m);
     Json out = {{"encoding", 1}, {"joints", m.joints}, {"movedFrom", m.movedFromRad}, {"movedTo", m.movedToRad}, {"holds", m.holdsS}};
+    if (!m.lagsS.empty()) out["lags"] = m.lagsS;
     out["streams"] = {{"groups", glb.addView(streams.groups)},
                       {"still", glb.addView(streams.still)},
                       {"ranges", glb.addView(streams.ranges)},

@@ -1,7 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sdk/format/motion_modes.h"
 
+#define XXH_INLINE_ALL
+#include <xxhash.h>
+
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "sdk/format/correctives.h"
@@ -25,6 +29,7 @@ bool saneNumbers(const MotionModeData& m) {
     for (const Vec4f& q : m.still) good = good && std::abs(glm::dot(q, q) - 1) <= kUnit;
     for (const Vec2f& range : m.rangeRad) good = good && within(range.x, 0, kMaxAngle) && within(range.y, 0, kMaxAngle);
     for (const float hold : m.holdsS) good = good && within(hold, 0, kMaxMotionHoldS);
+    for (const float lag : m.lagsS) good = good && within(lag, kMinMotionLagS, kMaxMotionLagS);
     for (const float mode : m.modes) good = good && within(mode, -kMaxMode, kMaxMode);
     return good;
 }
@@ -50,19 +55,20 @@ Status checkGroups(const MotionModeData& m) {
 
 Status checkMotionModes(const MotionModeData& m, size_t jointCount) {
     if (m.empty()) return {};
-    if (m.joints.empty() || m.joints.size() > kMaxMotionJoints || m.holdsS.empty() || m.holdsS.size() > kMaxMotionHolds)
-        return fail(Code::CorruptData, "motion modes of {} joints and {} holds; 1 to {} and 1 to {} are possible", m.joints.size(),
-                    m.holdsS.size(), kMaxMotionJoints, kMaxMotionHolds);
+    if (m.joints.empty() || m.joints.size() > kMaxMotionJoints || m.holdsS.empty() || m.holdsS.size() > kMaxMotionHolds ||
+        m.lagsS.size() > kMaxMotionLags)
+        return fail(Code::CorruptData, "motion modes of {} joints, {} holds and {} lags; 1 to {}, 1 to {} and 0 to {} are possible",
+                    m.joints.size(), m.holdsS.size(), m.lagsS.size(), kMaxMotionJoints, kMaxMotionHolds, kMaxMotionLags);
     DPL_RETURN_IF_ERROR(checkGroups(m));
     if (m.still.size() != m.joints.size() || m.rangeRad.size() != m.joints.size() ||
-        m.modes.size() != size_t(m.columnCount()) * m.holdsS.size() * m.inputCount())
-        return fail(Code::CorruptData, "the arrays of the motion modes do not fit {} joints, {} holds and {} columns", m.joints.size(),
-                    m.holdsS.size(), m.columnCount());
+        m.modes.size() != size_t(m.columnCount()) * m.featureCount())
+        return fail(Code::CorruptData, "the arrays of the motion modes do not fit {} joints, {} holds, {} lags and {} columns",
+                    m.joints.size(), m.holdsS.size(), m.lagsS.size(), m.columnCount());
     for (size_t i = 0; i < m.joints.size(); ++i)
         if (m.joints[i] >= jointCount || (i > 0 && m.joints[i] <= m.joints[i - 1]))
             return fail(Code::CorruptData, "motion modes name joint {} of {}; each joint is listed once, in rising order", m.joints[i],
                         jointCount);
-    if (!saneNumbers(m)) return fail(Code::CorruptData, "motion modes hold an impossible angle, hold, reach or mode");
+    if (!saneNumbers(m)) return fail(Code::CorruptData, "motion modes hold an impossible angle, hold, lag, reach or mode");
     return {};
 }
 
@@ -79,11 +85,20 @@ Result<MotionModeData> decodeMotionModes(const MotionStreams<std::span<const uin
     fill(m.groups, in.groups);
     DPL_RETURN_IF_ERROR(checkGroups(m));
     if (in.still.size() != joints * sizeof(Vec4f) || in.ranges.size() != joints * sizeof(Vec2f) ||
-        in.modes.size() != size_t(m.columnCount()) * m.holdsS.size() * m.inputCount() * sizeof(float))
-        return fail(Code::CorruptData, "the streams of the motion modes do not hold {} joints, {} holds and {} columns", joints,
-                    m.holdsS.size(), m.columnCount());
+        in.modes.size() != size_t(m.columnCount()) * m.featureCount() * sizeof(float))
+        return fail(Code::CorruptData, "the streams of the motion modes do not hold {} joints, {} holds, {} lags and {} columns", joints,
+                    m.holdsS.size(), m.lagsS.size(), m.columnCount());
     fill(m.still, in.still), fill(m.rangeRad, in.ranges), fill(m.modes, in.modes);
     return m;
+}
+
+uint64_t hashOfMotionModes(const MotionModeData& motion) {
+    uint64_t hash = 0;
+    const auto add = [&](const auto& values) { hash = XXH3_64bits_withSeed(values.data(), values.size() * sizeof values[0], hash); };
+    add(motion.joints), add(motion.holdsS), add(motion.lagsS), add(motion.groups), add(motion.still), add(motion.rangeRad),
+        add(motion.modes);
+    add(std::array{motion.movedFromRad, motion.movedToRad});
+    return hash;
 }
 
 void addMotionModes(PoseCorrectiveData& c, MotionModeData motion) {

@@ -63,7 +63,7 @@ struct Drawable final : PreparedSubject {
 };
 
 bool samePose(const Pose& a, const Pose& b) {
-    return a.localRotations.size() == b.localRotations.size() && a.rootTranslation == b.rootTranslation &&
+    return a.localRotations.size() == b.localRotations.size() && a.rootTranslation == b.rootTranslation && a.before == b.before &&
            std::equal(a.localRotations.begin(), a.localRotations.end(), b.localRotations.begin());
 }
 

@@ -114,9 +114,21 @@ constexpr std::array kCorrectiveCases = {
         "offsets of a millimetre", 17, {.modes = 12, .nodes = 200, .offsetM = 4e-4f, .light = 1e-3f, .reach = 3.25f}, true, false, false},
 };
 
-/** Poses with joints turned by 0 to several turns, and quaternions of any length and sign. The last turns every joint by a quarter turn. */
+/** What a long and wild life before a pose leaves. */
+inline MotionMemory randomMemory(std::mt19937& random) {
+    std::uniform_real_distribution<double> share;
+    std::normal_distribution<double> normal;
+    MotionMemory memory;
+    for (double& held : memory.held) held = 1.5 * share(random);
+    for (double& lagged : memory.lagged) lagged = 0.4 * normal(random);
+    for (double& earlier : memory.earlier) earlier = share(random);
+    return memory;
+}
+
+/** Poses with joints turned by 0 to several turns, and quaternions of any length and sign. The last turns every joint by a quarter turn.
+ *  Every other pose remembers earlier ones. */
 inline std::vector<Pose> correctivePoses(size_t joints, uint32_t seed) {
-    std::mt19937 random(seed);
+    std::mt19937 random(seed), life(seed);
     std::normal_distribution<float> normal;
     std::vector<Pose> poses;
     for (const float turnRad : {0.0f, 1e-3f, 0.03f, 0.2f, 0.2f, 0.6f, 0.6f, 1.5f, 1.5f, 3.0f, 10.0f}) {
@@ -126,6 +138,7 @@ inline std::vector<Pose> correctivePoses(size_t joints, uint32_t seed) {
             q = (random() % 2 ? 1.0f : -1.0f) * std::exp(normal(random)) * glm::angleAxis(turnRad * normal(random), axis);
         }
         pose.rootTranslation = Vec3f(normal(random), normal(random), normal(random));
+        if (poses.size() % 2 == 1) pose.before = randomMemory(life);
         poses.push_back(pose);
     }
     poses.push_back(Pose::rest(joints));

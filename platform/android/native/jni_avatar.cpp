@@ -85,11 +85,43 @@ jint findJoint(JNIEnv* env, jclass, jlong avatar, jstring name) {
     return check(env, dplFindJoint(avatarOf(avatar), toUtf8(env, name).c_str(), &joint)) ? jint(joint) : 0;
 }
 
-void setPose(JNIEnv* env, jclass, jlong avatar, jfloatArray rotations, jfloatArray root) {
+/** set: gives rotations, joint count and root translation to the library. */
+template <class Set>
+void setPoseBy(JNIEnv* env, jfloatArray rotations, jfloatArray root, const Set& set) {
     const std::vector<float> values = floatsOf(env, rotations), place = floatsOf(env, root);
     if (values.size() % 4 != 0 || (root && place.size() != 3))
         return throwDoppel(env, DPL_ERROR_INVALID_ARGUMENT, "a pose has 4 numbers a joint and a root translation of 3 numbers or none");
-    check(env, dplSetPose(avatarOf(avatar), values.data(), uint32_t(values.size() / 4), root ? place.data() : nullptr));
+    check(env, set(values.data(), uint32_t(values.size() / 4), root ? place.data() : nullptr));
+}
+
+void setPose(JNIEnv* env, jclass, jlong avatar, jfloatArray rotations, jfloatArray root) {
+    setPoseBy(env, rotations, root,
+              [&](const float* r, uint32_t joints, const float* t) { return dplSetPose(avatarOf(avatar), r, joints, t); });
+}
+
+void setPoseAtTime(JNIEnv* env, jclass, jlong avatar, jfloatArray rotations, jfloatArray root, jlong timeNs) {
+    setPoseBy(env, rotations, root,
+              [&](const float* r, uint32_t joints, const float* t) { return dplSetPoseAtTime(avatarOf(avatar), r, joints, t, timeNs); });
+}
+
+void settle(JNIEnv* env, jclass, jlong avatar) {
+    check(env, dplSettle(avatarOf(avatar)));
+}
+
+jbyteArray motionState(JNIEnv* env, jclass, jlong avatar) {
+    size_t size = 0;
+    if (!check(env, dplGetMotionState(avatarOf(avatar), nullptr, 0, &size))) return nullptr;
+    std::vector<uint8_t> state(size);
+    if (!check(env, dplGetMotionState(avatarOf(avatar), state.data(), state.size(), &size))) return nullptr;
+    jbyteArray made = env->NewByteArray(jsize(size));
+    if (made) env->SetByteArrayRegion(made, 0, jsize(size), reinterpret_cast<const jbyte*>(state.data()));
+    return made;
+}
+
+void setMotionState(JNIEnv* env, jclass, jlong avatar, jbyteArray state) {
+    std::vector<uint8_t> bytes(state ? size_t(env->GetArrayLength(state)) : 0);
+    if (state) env->GetByteArrayRegion(state, 0, jsize(bytes.size()), reinterpret_cast<jbyte*>(bytes.data()));
+    check(env, dplSetMotionState(avatarOf(avatar), bytes.data(), bytes.size()));
 }
 
 void getPose(JNIEnv* env, jclass, jlong avatar, jfloatArray rotations, jfloatArray root) {
@@ -178,6 +210,10 @@ const std::vector<JNINativeMethod> kAvatarMethods = {
     method("jointTree", "(J)[F", jointTree),
     method("findJoint", "(JLjava/lang/String;)I", findJoint),
     method("setPose", "(J[F[F)V", setPose),
+    method("setPoseAtTime", "(J[F[FJ)V", setPoseAtTime),
+    method("settle", "(J)V", settle),
+    method("motionState", "(J)[B", motionState),
+    method("setMotionState", "(J[B)V", setMotionState),
     method("getPose", "(J[F[F)V", getPose),
     method("jointPositions", "(J[F)V", jointPositions),
     method("clipName", "(JI)Ljava/lang/String;", clipName),

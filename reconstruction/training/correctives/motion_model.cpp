@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numeric>
+#include <optional>
 #include <string_view>
 
 #include "sdk/avatar/motion_state.h"
@@ -34,11 +36,10 @@ Vec4f meanRotation(std::span<const Pose> poses, uint32_t joint) {
 }
 
 /** Angles of the joints in the settled state, without limits. */
-std::vector<double> anglesOf(MotionModeData motion, const Pose& pose) {
+std::vector<double> settledAngles(MotionModeData motion, const Pose& pose) {
     std::fill(motion.rangeRad.begin(), motion.rangeRad.end(), Vec2f(0, 3.2f));
-    motion.holdsS = {0.0f};
-    MotionState state;
-    settleMotion(motion, pose, state);
+    motion.holdsS = {0.0f}, motion.lagsS = {};
+    const MotionState state = stateOf(motion, pose);
     return {state.held.begin() + 1, state.held.begin() + ptrdiff_t(motion.inputCount())};
 }
 
@@ -54,12 +55,12 @@ void setRanges(std::span<const Pose> stillPoses, std::span<const Pose> movingPos
     std::vector<double> stray(motion.joints.size(), 0.0), largest(motion.joints.size(), 0.0);
     double strayed = 0;
     for (const Pose& pose : stillPoses) {
-        const std::vector<double> angles = anglesOf(motion, pose);
+        const std::vector<double> angles = settledAngles(motion, pose);
         for (size_t j = 0; j < angles.size(); ++j) stray[j] = std::max(stray[j], angles[j]);
         strayed = std::max(strayed, lengthOf(angles));
     }
     for (const Pose& pose : movingPoses) {
-        const std::vector<double> angles = anglesOf(motion, pose);
+        const std::vector<double> angles = settledAngles(motion, pose);
         for (size_t j = 0; j < angles.size(); ++j) largest[j] = std::max(largest[j], angles[j]);
     }
     for (size_t j = 0; j < stray.size(); ++j) {
@@ -75,18 +76,21 @@ void addColumn(const Eigen::VectorXd& mode, MotionModeData& motion) {
     ++motion.groups.back().columnCount;
 }
 
-/** Adds the principal components of some joints' inputs in `samples`, states that have moved, as a group. Each takes away its mean times
- *  "has moved", so that it is 0 in the still pose and centred in motion. counts: a flag for each joint. */
+/** Adds the principal components of some features of `samples`, states that have moved, as a group. counts: a flag for each feature. What
+ * is held loses its mean times "has moved", so that it is 0 in the still pose and centred in motion; lags are 0 at rest anyway. */
 void addComponents(const std::vector<uint8_t>& counts, std::span<const MotionState> samples, const MotionModelSettings& settings,
                    MotionModeData& motion) {
-    const size_t inputs = motion.inputCount(), all = inputs * motion.holdsS.size();
-    Eigen::MatrixXd held(Eigen::Index(samples.size()), Eigen::Index(all));
-    for (size_t r = 0; r < samples.size(); ++r)
-        for (size_t i = 0; i < all; ++i)
-            held(Eigen::Index(r), Eigen::Index(i)) = i % inputs > 0 && counts[i % inputs - 1] ? samples[r].held[i] : 0;
-    const Eigen::RowVectorXd mean = held.colwise().mean();
-    held.rowwise() -= mean;
-    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(held.transpose() * held / double(samples.size()));
+    const size_t all = motion.featureCount();
+    Eigen::MatrixXd features(Eigen::Index(samples.size()), Eigen::Index(all));
+    std::vector<double> row(all);
+    for (size_t r = 0; r < samples.size(); ++r) {
+        motionFeatures(motion, samples[r], row);
+        for (size_t i = 0; i < all; ++i) features(Eigen::Index(r), Eigen::Index(i)) = counts[i] ? row[i] : 0;
+    }
+    Eigen::RowVectorXd mean = features.colwise().mean();
+    mean.tail(Eigen::Index(motion.lagCount())).setZero();
+    features.rowwise() -= mean;
+    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(features.transpose() * features / double(samples.size()));
     if (solver.info() != Eigen::Success) return;
     const Eigen::VectorXd& variance = solver.eigenvalues();  // ascending
     motion.groups.emplace_back();
@@ -98,32 +102,79 @@ void addComponents(const std::vector<uint8_t>& counts, std::span<const MotionSta
         mode.cwiseAbs().maxCoeff(&largest);
         if (mode(largest) < 0) mode = -mode;  // an eigenvector's sign is arbitrary
         for (Eigen::Index i = 0; i < mode.size(); ++i)
-            if (!(i % Eigen::Index(inputs) > 0 && counts[size_t(i) % inputs - 1])) mode(i) = 0;
-        const Eigen::VectorXd k = held * mode;
+            if (!counts[size_t(i)]) mode(i) = 0;
+        const Eigen::VectorXd k = features * mode;
         for (size_t r = 0; r < squares.size(); ++r) squares[r] += k(Eigen::Index(r)) * k(Eigen::Index(r));
-        mode(0) = -mean.dot(mode);
+        mode(Eigen::Index(hasMoved(motion))) -= mean.dot(mode);
         addColumn(mode, motion);
     }
     if (motion.groups.back().columnCount == 0) return motion.groups.pop_back();
     motion.groups.back().reach = float(std::sqrt(*std::max_element(squares.begin(), squares.end())));
 }
 
+/** The place in MotionModeData::joints of the joint that a feature tells of; none for "has moved". */
+std::optional<size_t> jointOfFeature(const MotionModeData& motion, size_t feature) {
+    if (feature >= motion.heldCount()) return (feature - motion.heldCount()) % motion.turnCount() / 6;
+    const size_t input = feature % motion.inputCount();
+    return input > 0 ? std::optional(input - 1) : std::nullopt;
+}
+
+/** Flags of features: those of some bones' angles in the pose itself (the first hold), or of their lags. */
+std::vector<uint8_t> anglesOf(const MotionModeData& motion, std::span<const JointData> joints, const Bones& bones) {
+    std::vector<uint8_t> counts(motion.featureCount(), 0);
+    for (size_t i = 1; i < motion.inputCount(); ++i) counts[i] = isOneOf(joints[motion.joints[i - 1]].humanoidBone, bones);
+    return counts;
+}
+std::vector<uint8_t> lagsOf(const MotionModeData& motion, std::span<const JointData> joints, const Bones& bones) {
+    std::vector<uint8_t> counts(motion.featureCount(), 0);
+    for (size_t i = motion.heldCount(); i < counts.size(); ++i)
+        counts[i] = isOneOf(joints[motion.joints[*jointOfFeature(motion, i)]].humanoidBone, bones);
+    return counts;
+}
+
 /** The joints of a group's columns, as flags of MotionModeData::joints. */
 std::vector<uint8_t> heardJoints(const MotionModeData& motion, size_t group) {
     size_t first = 0;
     for (size_t g = 0; g < group; ++g) first += motion.groups[g].columnCount;
-    const size_t inputs = motion.inputCount(), row = inputs * motion.holdsS.size();
+    const size_t row = motion.featureCount();
     std::vector<uint8_t> heard(motion.joints.size(), 0);
     for (size_t i = first * row; i < (first + motion.groups[group].columnCount) * row; ++i)
-        if (i % inputs > 0 && motion.modes[i] != 0) heard[i % inputs - 1] = 1;
+        if (const auto joint = jointOfFeature(motion, i % row); joint && motion.modes[i] != 0) heard[*joint] = 1;
     return heard;
+}
+
+/** Whether a film shows enough pictures a second to tell lags. */
+bool isDense(std::span<const double> timesS, double perSecond) {
+    std::vector<double> sorted(timesS.begin(), timesS.end()), gaps;
+    std::ranges::sort(sorted);
+    for (size_t i = 1; i < sorted.size(); ++i) gaps.push_back(sorted[i] - sorted[i - 1]);
+    if (gaps.empty()) return false;
+    std::ranges::nth_element(gaps, gaps.begin() + ptrdiff_t(gaps.size() / 2));
+    const double median = gaps[gaps.size() / 2];
+    return median > 0 && median <= 1 / perSecond;
 }
 
 }  // namespace
 
+size_t hasMoved(const MotionModeData& motion) {
+    return (motion.holdsS.size() - 1) * motion.inputCount();
+}
+
+void rememberFilm(const MotionModeData& motion, std::span<const double> timesS, std::span<Pose> poses) {
+    for (Pose& pose : poses) pose.before = {};
+    if (poses.empty() || std::ranges::min(timesS) == std::ranges::max(timesS)) return;  // nobody knows in which order they came
+    std::vector<size_t> order(poses.size());
+    std::iota(order.begin(), order.end(), size_t(0));
+    std::ranges::stable_sort(order, {}, [&](size_t i) { return timesS[i]; });
+    for (size_t k = 1; k < order.size(); ++k)
+        poses[order[k]].before = forgetMotion(motion, stateOf(motion, poses[order[k - 1]]), timesS[order[k]] - timesS[order[k - 1]]);
+}
+
 Result<MotionModeData> motionModel(std::span<const JointData> joints, std::span<const Pose> stillPoses, std::span<const Pose> movingPoses,
-                                   const MotionModelSettings& settings) {
+                                   std::span<const double> timesS, const MotionModelSettings& settings) {
     MotionModeData motion;
+    if (timesS.size() != movingPoses.size())
+        return fail(Code::InvalidArgument, "{} moving poses at {} times", movingPoses.size(), timesS.size());
     for (uint32_t j = 0; j < joints.size(); ++j)
         if (std::any_of(kLimbs.begin(), kLimbs.end(), [&](const Bones& bones) { return isOneOf(joints[j].humanoidBone, bones); }))
             motion.joints.push_back(j);
@@ -133,21 +184,19 @@ Result<MotionModeData> motionModel(std::span<const JointData> joints, std::span<
     for (const uint32_t joint : motion.joints) motion.still.push_back(meanRotation(stillPoses, joint));
     motion.rangeRad.resize(motion.joints.size());
     motion.holdsS = settings.holdsS;
+    if (isDense(timesS, settings.lagPosesPerS)) motion.lagsS = settings.lagsS;
     setRanges(stillPoses, movingPoses, settings, motion);
+    std::vector<Pose> film(movingPoses.begin(), movingPoses.end());
+    rememberFilm(motion, timesS, film);
     std::vector<MotionState> moved;
-    for (const Pose& pose : movingPoses) {
-        MotionState state;
-        settleMotion(motion, pose, state);
-        if (state.held[0] > 0.5) moved.push_back(state);
-    }
+    for (const Pose& pose : film)
+        if (const MotionState state = stateOf(motion, pose); state.held[hasMoved(motion)] > 0.5) moved.push_back(state);
     if (moved.size() < 2 || double(moved.size()) < settings.minMovedShare * double(movingPoses.size())) return MotionModeData{};
     motion.groups.emplace_back();
-    addColumn(Eigen::VectorXd::Unit(Eigen::Index(motion.inputCount() * motion.holdsS.size()), 0), motion);
-    for (const Bones& bones : kLimbs) {
-        std::vector<uint8_t> counts;
-        for (const uint32_t joint : motion.joints) counts.push_back(isOneOf(joints[joint].humanoidBone, bones));
-        addComponents(counts, moved, settings, motion);
-    }
+    addColumn(Eigen::VectorXd::Unit(Eigen::Index(motion.featureCount()), Eigen::Index(hasMoved(motion))), motion);
+    for (const Bones& bones : kLimbs) addComponents(anglesOf(motion, joints, bones), moved, settings, motion);
+    if (!motion.lagsS.empty())
+        for (const Bones& bones : kLimbs) addComponents(lagsOf(motion, joints, bones), moved, settings, motion);
     return motion;
 }
 

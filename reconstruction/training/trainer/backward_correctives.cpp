@@ -56,15 +56,13 @@ void addCorrectivePoseGradient(const PoseCorrectiveData& c, const Pose& pose, st
         gOff2 = -0.5 * fade / off2 * shortened * along;
         for (uint32_t i = 0; i < c.modeCount; ++i) gk[i] *= fade;
     }
-    if (!c.motion.empty()) addSettledMotionGradient(c.motion, pose, std::span(gk).subspan(c.modeCount), rotation);
+    if (!c.motion.empty()) addMotionGradient(c.motion, pose, std::span(gk).subspan(c.modeCount), rotation);
     for (size_t j = 0; j < c.joints.size(); ++j) {
         double g[6] = {};
         for (uint32_t i = 0; i < c.modeCount; ++i)
             for (size_t f = 0; f < 6; ++f) g[f] += (gk[i] - 2 * gOff2 * onMode[i]) * double(c.modes[i * features + j * 6 + f]);
         for (size_t f = 0; f < 6; ++f) g[f] += 2 * gOff2 * away[j * 6 + f];
-        const double* d = column.data() + j * 6;  // first two columns of R, minus the identity's
-        rotation[c.joints[j]] += glm::cross(Vec3d(d[0] + 1, d[1], d[2]), Vec3d(g[0], g[1], g[2])) +
-                                 glm::cross(Vec3d(d[3], d[4] + 1, d[5]), Vec3d(g[3], g[4], g[5]));
+        addFeatureGradient(Quatd(pose.localRotations[c.joints[j]]), g, rotation[c.joints[j]]);
     }
 }
 

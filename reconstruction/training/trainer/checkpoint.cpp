@@ -15,7 +15,7 @@
 namespace dpl {
 namespace {
 
-constexpr uint32_t kMagic = 0x544C5044, kVersion = 5;
+constexpr uint32_t kMagic = 0x544C5044, kVersion = 6;
 
 /** True when all `count` values are finite. Integers always are. */
 template <class Number>
@@ -154,7 +154,7 @@ uint64_t CoOptimiser::State::fingerprint() const {
         for (size_t plane = 0; plane < 3; ++plane) w.value(pictureHashes[3 * i + plane]);
         w.value(f.camera.viewFromWorldRotation), w.value(f.camera.viewFromWorldTranslation);
         w.value(f.camera.fx), w.value(f.camera.fy), w.value(f.camera.cx), w.value(f.camera.cy), w.value(f.kind);
-        putArray(w, f.pose.localRotations), w.value(f.pose.rootTranslation);
+        putArray(w, f.pose.localRotations), w.value(f.pose.rootTranslation), w.value(f.pose.before);
         if (f.precision) putArray(w, f.precision->joints), putArray(w, f.precision->matrix);
     }
     for (const Pose& pose : input.stress) putArray(w, pose.localRotations), w.value(pose.rootTranslation);

@@ -14,7 +14,7 @@ inline void putCorrectiveModel(Writer& out, const PoseCorrectiveData& c) {
     const MotionModeData& m = c.motion;
     out.value(m.movedFromRad), out.value(m.movedToRad);
     putArray(out, m.groups), putArray(out, m.joints), putArray(out, m.still), putArray(out, m.rangeRad), putArray(out, m.holdsS),
-        putArray(out, m.modes);
+        putArray(out, m.lagsS), putArray(out, m.modes);
 }
 
 inline void putCorrectives(Writer& out, const PoseCorrectiveData& c) {
@@ -41,6 +41,7 @@ inline Status getCorrectives(Reader& in, PoseCorrectiveData& c) {
     DPL_RETURN_IF_ERROR(getArray(in, m.still));
     DPL_RETURN_IF_ERROR(getArray(in, m.rangeRad));
     DPL_RETURN_IF_ERROR(getArray(in, m.holdsS));
+    DPL_RETURN_IF_ERROR(getArray(in, m.lagsS));
     DPL_RETURN_IF_ERROR(getArray(in, m.modes));
     return getArray(in, c.nodes);
 }

@@ -313,6 +313,25 @@ DPL_API DplResult dplFindJoint(DplAvatar avatar, const char* name, uint32_t* joi
  *  root translation beyond 100 km. The previous pose then stays. */
 DPL_API DplResult dplSetPose(DplAvatar avatar, const float* rotations, uint32_t jointCount, const float* rootTranslation);
 
+/** The same for a picture that is shown at timeNs: nanoseconds of any one clock, such as that of a tracker. Clothes then remember: a shirt
+ *  that rode up stays up for a while after the arms have come down. What they remember goes on once, when the pose is drawn, from the
+ *  pose that was drawn before; several poses between two pictures, or one pose for two pictures, change nothing. After a gap of more than
+ *  5 s, or when time runs backwards, it fades within 0.25 s. dplSetPoseFromTracker does the same with its displayTimeNs. dplSetPose
+ *  knows no time: the clothes are those of the pose alone, and the same pose gives the same picture. In a clip they remember the clip. */
+DPL_EXPERIMENTAL DplResult dplSetPoseAtTime(DplAvatar avatar, const float* rotations, uint32_t jointCount, const float* rootTranslation,
+                                            int64_t timeNs);
+
+/** Clothes forget: they are those of the current pose alone, as after dplSetPose. DPL_ERROR_INVALID_ARGUMENT: general splats. */
+DPL_EXPERIMENTAL DplResult dplSettle(DplAvatar avatar);
+
+/** Copies what the clothes remember in the current pose, and its time, for a save or another machine: *size bytes, at most 8192, which
+ *  mean nothing to the program. state NULL: only *size is written. DPL_ERROR_INVALID_ARGUMENT: a smaller capacity, or general splats. */
+DPL_EXPERIMENTAL DplResult dplGetMotionState(DplAvatar avatar, uint8_t* state, size_t capacity, size_t* size);
+
+/** Restores it: poses that follow in time are drawn as they would have been after the one that was saved. An avatar of the same file
+ *  takes it. DPL_ERROR_INVALID_ARGUMENT: other bytes, or those of another avatar; what is remembered then stays. */
+DPL_EXPERIMENTAL DplResult dplSetMotionState(DplAvatar avatar, const uint8_t* state, size_t size);
+
 /** Copies the current pose: 4·jointCount floats to rotations, 3 floats to rootTranslation. Either may be NULL. */
 DPL_API DplResult dplGetPose(DplAvatar avatar, float* rotations, uint32_t jointCount, float* rootTranslation);
 

@@ -200,6 +200,25 @@ public:
         return status(dplSetPose(handle_, rotations.data(), uint32_t(rotations.size() / 4),
                                  rootTranslation.empty() ? nullptr : rootTranslation.data()));
     }
+    /** The same for a picture that is shown at timeNs, ns of any one clock: clothes then remember. See dplSetPoseAtTime. */
+    Status setPose(std::span<const float> rotations, std::span<const float> rootTranslation, int64_t timeNs) {
+        if (rotations.size() % 4 != 0 || (!rootTranslation.empty() && rootTranslation.size() != 3))
+            return Error{DPL_ERROR_INVALID_ARGUMENT, "a pose has 4 floats a joint and a root translation of 3 floats or none"};
+        return status(dplSetPoseAtTime(handle_, rotations.data(), uint32_t(rotations.size() / 4),
+                                       rootTranslation.empty() ? nullptr : rootTranslation.data(), timeNs));
+    }
+    /** Clothes forget: they are those of the current pose alone. */
+    Status settle() { return status(dplSettle(handle_)); }
+    /** What the clothes remember in the current pose, and its time. */
+    Result<std::vector<uint8_t>> motionState() const {
+        size_t size = 0;
+        if (const DplResult r = dplGetMotionState(handle_, nullptr, 0, &size); r != DPL_OK) return lastError(r);
+        std::vector<uint8_t> state(size);
+        if (const DplResult r = dplGetMotionState(handle_, state.data(), state.size(), &size); r != DPL_OK) return lastError(r);
+        return state;
+    }
+    /** Restores motionState() of an avatar of the same file. */
+    Status setMotionState(std::span<const uint8_t> state) { return status(dplSetMotionState(handle_, state.data(), state.size())); }
     /** The current pose: 4 floats a joint, and the root translation. Either may be empty. */
     Status pose(std::span<float> rotations, std::span<float> rootTranslation = {}) const {
         if (rotations.size() % 4 != 0 || (!rootTranslation.empty() && rootTranslation.size() != 3))

@@ -92,6 +92,15 @@ final class JniTest {
         float[] positions = new float[6];
         Native.jointPositions(avatar, positions);
         expect(Math.abs(positions[1] - 3) < 1e-5f, "joints stand where the root puts them");
+        Native.setPoseAtTime(avatar, rotations, null, 5_000_000_000L);
+        Native.getPose(avatar, back, root);
+        expect(Arrays.equals(root, new float[3]), "a pose with a time is a pose");
+        byte[] state = Native.motionState(avatar);
+        expect(state.length > 0, "what clothes remember is bytes");
+        Native.settle(avatar);
+        Native.setMotionState(avatar, state);
+        expect(Arrays.equals(Native.motionState(avatar), state), "and comes back");
+        expectError(DoppelException.INVALID_ARGUMENT, "motion state", "other bytes", () -> Native.setMotionState(avatar, new byte[9]));
         Native.destroyAvatar(avatar);
     }
 

@@ -92,6 +92,11 @@ private class ApiTest(private val work: Path) {
                 expect(avatar.poseTrust().distances.size == joints.size,
                     "it knows how far that is from training: ${avatar.poseTrust().away}")
                 avatar.holdPose(4f)
+                avatar.setPose(avatar.pose().rotations, null, FRAME_NS)
+                val remembered = avatar.motionState
+                avatar.settle()
+                avatar.motionState = remembered
+                expect(avatar.motionState.contentEquals(remembered), "what clothes remember can be saved")
                 expectError(DoppelException.INVALID_ARGUMENT, "33 joints", "a frame of the wrong size") {
                     avatar.createTracker(TrackFormat.MEDIAPIPE_POSE).use { it.track(0, null, positions) }
                 }

@@ -26,6 +26,7 @@ struct DoubleScene {
     std::vector<Quatd> rotations;
     Vec3d rootTranslation{0};
     PoseCorrectiveData correctives;    // its nodes are the initial values of `nodes`
+    MotionMemory before;               // what the motion modes remember of earlier poses
     std::vector<double> pixelWeights;  // 5 per pixel: premultiplied r, g, b, alpha, cloth
     // Variable.
     std::vector<double> rows;   // per splat: u, v, φ, ln s1, ln s2, opacity logit, sh
@@ -42,8 +43,8 @@ inline Mat3d turnMatrix(const Vec3d& w) {
     return angle > 0 ? glm::mat3_cast(glm::angleAxis(angle, w / angle)) : Mat3d(1);
 }
 
-/** The coefficients of the motion modes, settled: angles by the traces of R·Sᵀ. */
-inline std::vector<double> motionOf(const MotionModeData& m, const std::vector<Mat3d>& local) {
+/** The coefficients of the motion modes: angles by the traces of R·Sᵀ, or what is held where that is more; then lags. */
+inline std::vector<double> motionOf(const MotionModeData& m, const std::vector<Mat3d>& local, const MotionMemory& before) {
     std::vector<double> inputs{0}, k;
     double distance2 = 0;
     for (size_t j = 0; j < m.joints.size(); ++j) {
@@ -56,12 +57,20 @@ inline std::vector<double> motionOf(const MotionModeData& m, const std::vector<M
     const double from = double(m.movedFromRad), to = double(m.movedToRad);
     const double t = std::clamp((std::sqrt(distance2) - from) / (to - from), 0.0, 1.0);
     inputs[0] = t * t * (3 - 2 * t);
+    std::vector<double> features;
+    for (size_t i = 0; i < m.heldCount(); ++i) features.push_back(std::max(before.held[i], inputs[i % inputs.size()]));
+    for (size_t i = 0; i < m.lagCount(); ++i) {
+        const size_t number = i % 6;
+        const Mat3d& turned = local[m.joints[i % m.turnCount() / 6]];
+        const double u = turned[int(number / 3)][int(number % 3)] - (number == 0 || number == 4 ? 1 : 0);
+        features.push_back(before.lagged[i] - before.earlier[i / m.turnCount()] * u);
+    }
     const float* mode = m.modes.data();
     for (const MotionGroupData& g : m.groups) {
         double length2 = 0;
         for (uint32_t c = 0; c < g.columnCount; ++c) {
             k.push_back(0);
-            for (size_t i = 0; i < m.holdsS.size() * inputs.size(); ++i) k.back() += double(*mode++) * inputs[i % inputs.size()];
+            for (const double feature : features) k.back() += double(*mode++) * feature;
             length2 += k.back() * k.back();
         }
         for (size_t c = 1; c <= g.columnCount && length2 > 0; ++c) k[k.size() - c] *= std::min(1.0, double(g.reach) / std::sqrt(length2));
@@ -100,7 +109,7 @@ inline std::vector<glm::dvec4> correction(const DoubleScene& s, const std::vecto
     if (off > 0) shorten *= std::min(1.0, double(c.reachOffModes) / std::sqrt(off));
     for (double& x : k) x *= shorten;
     if (!c.motion.empty())
-        for (const double x : motionOf(c.motion, local)) k.push_back(x);
+        for (const double x : motionOf(c.motion, local, s.before)) k.push_back(x);
     for (size_t v = 0; v < out.size(); ++v)
         for (int n = 0; n < 4; ++n)
             for (uint32_t i = 0; i < c.columnCount(); ++i) {

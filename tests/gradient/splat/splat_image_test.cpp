@@ -77,7 +77,7 @@ DoubleScene withCorrectives(DoubleScene s, float reach, float reachOffModes = 1e
 DoubleScene withMotion(DoubleScene s, double moved, float reach = 10) {
     PoseCorrectiveData& c = s.correctives;
     MotionModeData m;
-    m.joints = {0, 2}, m.holdsS = {0, 1.5f};
+    m.joints = {0, 2}, m.holdsS = {0, 1.5f}, m.lagsS = {0.4f};
     m.still = {{0, 0, 0, 1}, {0.05f, -0.06f, 0, 0.997f}};
     double squares = 0;
     for (size_t j = 0; j < 2; ++j) {
@@ -92,7 +92,7 @@ DoubleScene withMotion(DoubleScene s, double moved, float reach = 10) {
     if (moved == 0) m.movedFromRad += 0.1f, m.movedToRad += 0.1f;
     m.movedFromRad = std::max(m.movedFromRad, 0.0f), m.movedToRad = std::max(m.movedToRad, 0.01f);
     m.groups = {{.columnCount = 1}, {.columnCount = 2, .reach = reach}};
-    for (size_t i = 0; i < 2 * 3 * m.inputCount(); ++i) m.modes.push_back(0.7f * std::cos(2.1f * float(i) + 0.3f));
+    for (size_t i = 0; i < 3 * m.featureCount(); ++i) m.modes.push_back(0.7f * std::cos(2.1f * float(i) + 1.7f));
     addMotionModes(c, std::move(m));
     for (size_t e = 0; e < c.nodes.size(); ++e)
         if (e % 5 >= 2)
@@ -128,6 +128,7 @@ Analytic backward(const DoubleScene& s, uint32_t threads, const std::array<float
     Pose pose = Pose::rest(s.joints.size());
     for (size_t j = 0; j < s.joints.size(); ++j) pose.localRotations[j] = Quatf(s.rotations[j]);
     pose.rootTranslation = Vec3f(s.rootTranslation);
+    pose.before = s.before;
     std::vector<Vec3f> gPosed, gRest;
     PosedMesh posed;
     posed.pose({s.joints, mesh, s.correctives, bind}, pose, jobs);
@@ -280,6 +281,18 @@ TEST(SplatImageGradient, motionModesThatHaveMovedBesideModesThatFade) {
 }
 TEST(SplatImageGradient, motionModesBeyondTheirReach) {
     check(withMotion(withCorrectives(makeScene(0.0, 0), 10), 0.5, 0.1f));
+}
+TEST(SplatImageGradient, motionModesThatHoldMoreThanThePoseAsks) {
+    DoubleScene s = withMotion(withCorrectives(makeScene(0.0, 0), 10), 0.5);
+    s.before.held[3] = 0.8;  // "has moved" and the first joint, in the hold of 1.5 s
+    s.before.held[4] = 0.9;
+    check(s);
+}
+TEST(SplatImageGradient, motionModesThatLagBehindThePose) {
+    DoubleScene s = withMotion(withCorrectives(makeScene(0.0, 0), 10), 0.5);
+    s.before.earlier[0] = 0.6;
+    for (size_t i = 0; i < 12; ++i) s.before.lagged[i] = 0.1 * std::cos(1.1 * double(i));
+    check(s);
 }
 TEST(SplatImageGradient, motionModesThatHaveNotMovedYet) {
     check(withMotion(withCorrectives(makeScene(0.0, kSplatSingleFace), 10), 0));

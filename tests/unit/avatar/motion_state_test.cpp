@@ -17,16 +17,16 @@ namespace {
 
 const Vec3f kAxis = glm::normalize(Vec3f(1, 2, -1));
 
-/** Two joints whose still pose is half a radian about kAxis, held for 1.5, 6 and 60 s, in one group. One column an input. */
-MotionModeData twoJoints(std::vector<float> holds = {1.5f, 6, 60}) {
+/** Two joints whose still pose is half a radian about kAxis, held for 1.5, 6 and 60 s, in one group. One column a feature. */
+MotionModeData twoJoints(std::vector<float> holds = {1.5f, 6, 60}, std::vector<float> lags = {}) {
     MotionModeData m;
-    m.joints = {0, 1}, m.movedFromRad = 0.1f, m.movedToRad = 0.3f, m.holdsS = std::move(holds);
+    m.joints = {0, 1}, m.movedFromRad = 0.1f, m.movedToRad = 0.3f, m.holdsS = std::move(holds), m.lagsS = std::move(lags);
     const Quatf still = glm::angleAxis(0.5f, kAxis);
     m.still.assign(2, Vec4f(still.x, still.y, still.z, still.w));
     m.rangeRad = {{0.05f, 1.0f}, {0.2f, 0.5f}};
-    const size_t inputs = m.inputCount() * m.holdsS.size();
-    m.groups = {{.columnCount = uint32_t(inputs)}}, m.modes.assign(inputs * inputs, 0.0f);
-    for (size_t i = 0; i < inputs; ++i) m.modes[i * inputs + i] = 1;
+    const size_t features = m.featureCount();
+    m.groups = {{.columnCount = uint32_t(features)}}, m.modes.assign(features * features, 0.0f);
+    for (size_t i = 0; i < features; ++i) m.modes[i * features + i] = 1;
     return m;
 }
 
@@ -46,9 +46,13 @@ std::vector<float> coefficientsOf(const MotionModeData& m, const MotionState& st
 }
 
 std::vector<float> settled(const MotionModeData& m, const Pose& pose) {
-    MotionState state;
-    settleMotion(m, pose, state);
-    return coefficientsOf(m, state);
+    return coefficientsOf(m, stateOf(m, pose));
+}
+
+/** The state `seconds` later, in `pose`. */
+void advance(const MotionModeData& m, Pose pose, double seconds, MotionState& state) {
+    pose.before = forgetMotion(m, state, seconds);
+    state = stateOf(m, pose);
 }
 
 Pose randomPose(std::mt19937& random) {
@@ -99,15 +103,13 @@ TEST(MotionState, headingTwiceAroundIsNoAngleAboveAHalfTurn) {
 TEST(MotionState, holdsThePeakAndForgetsItByItsTime) {
     const MotionModeData m = twoJoints();
     MotionState state;
-    settleMotion(m, turnedBy(0, 0), state);
-    advanceMotion(m, turnedBy(0.65f, 0), 0.01, state);
+    advance(m, turnedBy(0.65f, 0), 0.01, state);
     const std::vector<float> peak = coefficientsOf(m, state);
-    advanceMotion(m, turnedBy(0, 0), 3, state);
+    advance(m, turnedBy(0, 0), 3, state);
     const std::vector<float> after = coefficientsOf(m, state);
     for (size_t h = 0; h < 3; ++h)
         for (size_t i = 0; i < 2; ++i) EXPECT_NEAR(after[3 * h + i] / peak[3 * h + i], std::exp(-3 / m.holdsS[h]), 1e-5) << h;
-    settleMotion(m, turnedBy(0, 0), state);
-    for (const float k : coefficientsOf(m, state)) EXPECT_EQ(k, 0);
+    for (const float k : settled(m, turnedBy(0, 0))) EXPECT_EQ(k, 0);
 }
 
 TEST(MotionState, aHoldOfZeroIsTheSettledState) {
@@ -116,7 +118,7 @@ TEST(MotionState, aHoldOfZeroIsTheSettledState) {
     MotionState state;
     for (int i = 0; i < 1000; ++i) {
         const Pose pose = randomPose(random);
-        advanceMotion(m, pose, 0.01 * (i % 7), state);
+        advance(m, pose, 0.01 * (i % 7), state);
         EXPECT_EQ(coefficientsOf(m, state), settled(m, pose));
     }
 }
@@ -124,9 +126,9 @@ TEST(MotionState, aHoldOfZeroIsTheSettledState) {
 TEST(MotionState, anyRateForgetsAlike) {
     const MotionModeData m = twoJoints();
     MotionState slow, fast;
-    for (MotionState* state : {&slow, &fast}) settleMotion(m, turnedBy(0.9f, 0.4f), *state);
-    for (int i = 0; i < 3; ++i) advanceMotion(m, turnedBy(0.1f, 0), 1, slow);
-    for (int i = 0; i < 3000; ++i) advanceMotion(m, turnedBy(0.1f, 0), 1e-3, fast);
+    slow = fast = stateOf(m, turnedBy(0.9f, 0.4f));
+    for (int i = 0; i < 3; ++i) advance(m, turnedBy(0.1f, 0), 1, slow);
+    for (int i = 0; i < 3000; ++i) advance(m, turnedBy(0.1f, 0), 1e-3, fast);
     const std::vector<float> a = coefficientsOf(m, slow), b = coefficientsOf(m, fast);
     for (size_t i = 0; i < a.size(); ++i) EXPECT_NEAR(a[i], b[i], 1e-6) << i;
 }
@@ -137,45 +139,88 @@ TEST(MotionState, aPoseTwiceForOneTimeChangesNothing) {
     MotionState state;
     for (int i = 0; i < 100; ++i) {
         const Pose pose = randomPose(random);
-        advanceMotion(m, pose, 0.1, state);
+        advance(m, pose, 0.1, state);
         const MotionState once = state;
-        advanceMotion(m, pose, 0, state);
-        EXPECT_EQ(once.held, state.held);
+        advance(m, pose, 0, state);
+        EXPECT_EQ(once, state);
     }
 }
 
 TEST(MotionState, timeThatRunsBackwardsSettles) {
     const MotionModeData m = twoJoints();
     for (const double seconds : {-1e-9, -3600.0, double(kNan), double(kInfinity), -double(kInfinity)}) {
-        MotionState state, want;
-        settleMotion(m, turnedBy(1, 1), state);
-        advanceMotion(m, turnedBy(0.2f, 0), seconds, state);
-        settleMotion(m, turnedBy(0.2f, 0), want);
-        EXPECT_EQ(state.held, want.held) << seconds;
+        MotionState state = stateOf(m, turnedBy(1, 1));
+        advance(m, turnedBy(0.2f, 0), seconds, state);
+        EXPECT_EQ(state, stateOf(m, turnedBy(0.2f, 0))) << seconds;
     }
-    MotionState hour, want;
-    settleMotion(m, turnedBy(1, 1), hour);
-    advanceMotion(m, turnedBy(0.2f, 0), 3600, hour);
-    settleMotion(m, turnedBy(0.2f, 0), want);
+    MotionState hour = stateOf(m, turnedBy(1, 1));
+    advance(m, turnedBy(0.2f, 0), 3600, hour);
+    const MotionState want = stateOf(m, turnedBy(0.2f, 0));
     for (size_t i = 0; i < hour.held.size(); ++i) EXPECT_NEAR(hour.held[i], want.held[i], 1e-20) << "an hour is for ever";
 }
 
+TEST(MotionState, aLagFollowsAndComesToRest) {
+    const MotionModeData m = twoJoints({0}, {0.5f});
+    const size_t first = m.heldCount();
+    MotionState state = stateOf(m, turnedBy(0, 0));
+    for (size_t i = first; i < m.featureCount(); ++i)
+        EXPECT_EQ(coefficientsOf(m, state)[i], 0) << "nothing lags behind a pose that was held";
+    advance(m, turnedBy(0.6f, 0), 0, state);
+    const std::vector<float> jump = coefficientsOf(m, state);
+    EXPECT_GT(std::abs(jump[first + 2]), 0.3f) << "the pose of a moment later: the whole turn is still to come";
+    advance(m, turnedBy(0.6f, 0), 1, state);
+    const std::vector<float> later = coefficientsOf(m, state);
+    for (size_t i = first; i < jump.size(); ++i) EXPECT_NEAR(later[i], std::exp(-2) * jump[i], 1e-6) << i;
+}
+
+/** The lag of a turn that goes evenly, at any rate: u = rt, y = r (t - tau (1 - exp(-t/tau))). */
+TEST(MotionState, aLagIsExactWhereTurnsGoEvenly) {
+    const MotionModeData m = twoJoints({0}, {0.15f, 1});
+    Pose pose = turnedBy(0, 0);
+    const MotionState start = stateOf(m, pose);
+    for (const int steps : {1, 7, 1000}) {
+        MotionState state = start;
+        for (int k = 1; k <= steps; ++k) {  // the six numbers themselves go evenly, not the angle: any will do
+            MotionMemory left = forgetMotion(m, state, 2.0 / steps);
+            state = stateOf(m, pose);
+            for (size_t i = 0; i < 12; ++i) state.turns[i] = start.turns[i] + 0.1 * k / steps;
+            for (size_t i = 0; i < 24; ++i) state.lagged[i] = left.lagged[i] + (1 - left.earlier[i / 12]) * state.turns[i % 12];
+        }
+        for (size_t l = 0; l < 2; ++l) {
+            const double tau = double(m.lagsS[l]), want = 0.05 * (2 - tau * (1 - std::exp(-2 / tau)));
+            for (size_t i = 0; i < 12; ++i) EXPECT_NEAR(state.lagged[12 * l + i] - start.lagged[i], want, 1e-12) << steps;
+        }
+    }
+}
+
+TEST(MotionState, whatIsCarriedAcrossAJumpIsTheLagAndNotTheJump) {
+    const MotionModeData m = twoJoints({0, 6}, {0.5f});
+    MotionState state = stateOf(m, turnedBy(0, 0));
+    advance(m, turnedBy(0.9f, 0), 0.2, state);
+    const std::vector<float> before = coefficientsOf(m, state);
+    Pose pose = turnedBy(0, 0);
+    pose.before = carryMotion(m, state);
+    const std::vector<float> after = coefficientsOf(m, stateOf(m, pose));
+    for (size_t i = m.inputCount(); i < after.size(); ++i) EXPECT_NEAR(after[i], before[i], 1e-6) << i;
+}
+
 TEST(MotionState, neverGrowsWhileThePoseRests) {
-    const MotionModeData m = twoJoints();
+    const MotionModeData m = twoJoints({1.5f, 6, 60}, {0.15f, 0.4f, 1});
     std::mt19937 random(7);
     MotionState state;
+    std::vector<double> now(m.featureCount()), before(m.featureCount());
     for (int i = 0; i < 250000; ++i) {
         const Pose pose = randomPose(random);
-        advanceMotion(m, pose, 0.02, state);
-        MotionState before = state;
+        advance(m, pose, i % 3 == 0 ? 1e-9 : 0.02, state);
+        motionFeatures(m, state, before);
         for (int rest = 0; rest < 3; ++rest) {
-            advanceMotion(m, pose, rest == 0 ? 1e-3 : 1.0, state);
-            for (size_t h = 0; h < state.held.size(); ++h) {
-                ASSERT_LE(state.held[h], before.held[h]);
-                ASSERT_GE(state.held[h], 0);
-            }
-            before = state;
+            advance(m, pose, rest == 0 ? 1e-3 : 1.0, state);
+            motionFeatures(m, state, now);
+            for (size_t f = 0; f < now.size(); ++f) ASSERT_LE(std::abs(now[f]), std::abs(before[f]) + 1e-15) << f;
+            before = now;
         }
+        for (const double held : state.held) ASSERT_GE(held, 0);
+        for (const double lagged : state.lagged) ASSERT_LE(std::abs(lagged), 2 + 1e-12);
     }
 }
 
@@ -190,6 +235,14 @@ TEST(MotionState, correctivesAppendTheSettledColumnsAndDoNotFadeThem) {
     correctiveCoefficients(c, pose, k);
     ASSERT_EQ(k.size(), 7u);
     EXPECT_EQ(std::vector<float>(k.begin() + 4, k.end()), settled(c.motion, pose));
+    Pose remembering = pose;
+    remembering.before.held.fill(0.9);
+    remembering.before.lagged.fill(0.3);
+    std::vector<float> held;
+    correctiveCoefficients(c, remembering, held);
+    EXPECT_TRUE(std::equal(k.begin(), k.begin() + 4, held.begin())) << "modes of the pose remember nothing";
+    EXPECT_EQ(std::vector<float>(held.begin() + 4, held.end()), settled(c.motion, remembering));
+    EXPECT_NE(held, k);
     std::vector<Vec4f> nodes;
     correctiveNodes(c, k, nodes);
     for (uint32_t n = 0; n < c.nodeCount; ++n) {

@@ -53,7 +53,7 @@ CORRECTIVES = {
 }
 
 MOTION = {
-    "encoding": 1, "joints": [0, 1], "movedFrom": 0.1, "movedTo": 0.3, "holds": [0, 1.5],
+    "encoding": 1, "joints": [0, 1], "movedFrom": 0.1, "movedTo": 0.3, "holds": [0, 1.5], "lags": [0.4],
     "streams": {"groups": 10, "still": 7, "ranges": 8, "modes": 9},
 }
 
@@ -63,11 +63,12 @@ def damaged_motion():
         "no joints": lambda m: m.update(joints=[]),
         "no holds": lambda m: m.update(holds=[]),
         "hold negative": lambda m: m.update(holds=[-1]),
-        "17 joints": lambda m: m.update(joints=list(range(17))),
+        "13 joints": lambda m: m.update(joints=list(range(13))),
         "motion encoding 2": lambda m: m.update(encoding=2),
         "no still stream": lambda m: m["streams"].pop("still"),
         "no groups stream": lambda m: m["streams"].pop("groups"),
-        "unknown motion field": lambda m: m.update(lags=[1]),
+        "lag of 0": lambda m: m.update(lags=[0]),
+        "unknown motion field": lambda m: m.update(springs=[1]),
     }.items():
         bad = copy.deepcopy(MOTION)
         change(bad)

@@ -224,9 +224,9 @@ TEST(HostileAvatar, damagedMotionModes) {
         {"joints missing", [=](GlbParts& p) { motion(p).erase("joints"); }},
         {"joints empty", [=](GlbParts& p) { motion(p)["joints"] = json::array(); }},
         {"joint out of range", [=](GlbParts& p) { motion(p)["joints"][0] = 2; }},
-        {"17 joints",
+        {"13 joints",
          [=](GlbParts& p) {
-             for (int j = 0; j < 17; ++j) motion(p)["joints"].push_back(j);
+             for (int j = 0; j < 13; ++j) motion(p)["joints"].push_back(j);
          }},
         {"moved from as text", [=](GlbParts& p) { motion(p)["movedFrom"] = "0"; }},
         {"moved to missing", [=](GlbParts& p) { motion(p).erase("movedTo"); }},
@@ -234,13 +234,19 @@ TEST(HostileAvatar, damagedMotionModes) {
         {"moved to below from", [=](GlbParts& p) { motion(p)["movedTo"] = 0.0625; }},
         {"holds missing", [=](GlbParts& p) { motion(p).erase("holds"); }},
         {"no holds", [=](GlbParts& p) { motion(p)["holds"] = json::array(); }},
-        {"5 holds",
+        {"4 holds",
          [=](GlbParts& p) {
-             motion(p)["holds"] = {1, 2, 3, 4, 5};
+             motion(p)["holds"] = {1, 2, 3, 4};
          }},
         {"hold as text", [=](GlbParts& p) { motion(p)["holds"][0] = "1"; }},
         {"hold negative", [=](GlbParts& p) { motion(p)["holds"][0] = -1; }},
         {"hold of 1e300", [=](GlbParts& p) { motion(p)["holds"][0] = 1e300; }},
+        {"4 lags",
+         [=](GlbParts& p) {
+             motion(p)["lags"] = {1, 2, 3, 4};
+         }},
+        {"a lag without modes", [=](GlbParts& p) { motion(p)["lags"] = {1}; }},
+        {"lags as text", [=](GlbParts& p) { motion(p)["lags"] = "1"; }},
         {"streams missing", [=](GlbParts& p) { motion(p).erase("streams"); }},
         {"still missing", [=](GlbParts& p) { motion(p)["streams"].erase("still"); }},
         {"ranges out of range", [=](GlbParts& p) { motion(p)["streams"]["ranges"] = 123456; }},

@@ -253,7 +253,8 @@ TEST(AvatarRoundTrip, motionModesComeBackInBothEncodings) {
         EXPECT_EQ(x.movedFromRad, y.movedFromRad);
         EXPECT_EQ(x.movedToRad, y.movedToRad);
         EXPECT_EQ(std::memcmp(x.groups.data(), y.groups.data(), 2 * sizeof(MotionGroupData)), 0);
-        EXPECT_TRUE(x.joints == y.joints && x.still == y.still && x.rangeRad == y.rangeRad && x.holdsS == y.holdsS && x.modes == y.modes);
+        EXPECT_TRUE(x.joints == y.joints && x.still == y.still && x.rangeRad == y.rangeRad && x.holdsS == y.holdsS && x.lagsS == y.lagsS &&
+                    x.modes == y.modes);
         ASSERT_EQ(a.correctives.nodes.size(), b->correctives.nodes.size());
         for (size_t e = 0; e < a.correctives.nodes.size(); ++e)
             EXPECT_LT(glm::length(a.correctives.nodes[e] - b->correctives.nodes[e]), 1e-4f);

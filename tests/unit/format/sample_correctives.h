@@ -18,13 +18,13 @@ struct CorrectiveOptions {
     uint32_t motion = 0;  // columns of motion modes
 };
 
-/** Motion modes of up to 16 joints and two holds, in two groups. Random poses have moved, partly moved and rest, and lie
- *  within reach and beyond it. */
+/** Motion modes of up to kMaxMotionJoints joints, two holds and a lag, in two groups. Random poses have moved, partly moved and rest, and
+ * lie within reach and beyond it. */
 inline MotionModeData randomMotion(size_t jointCount, uint32_t columns, std::mt19937& random) {
     std::normal_distribution<float> normal;
     std::uniform_real_distribution<float> uniform;
     MotionModeData m;
-    m.movedFromRad = 0.3f, m.movedToRad = 2.5f, m.holdsS = {0, 1.5f};
+    m.movedFromRad = 0.3f, m.movedToRad = 2.5f, m.holdsS = {0, 1.5f}, m.lagsS = {0.4f};
     for (uint32_t j = 0; j < std::min<size_t>(jointCount, kMaxMotionJoints); ++j) {
         m.joints.push_back(j);
         m.still.push_back(glm::normalize(Vec4f(0.2f * normal(random), 0.2f * normal(random), 0.2f * normal(random), 1)));
@@ -32,8 +32,8 @@ inline MotionModeData randomMotion(size_t jointCount, uint32_t columns, std::mt1
     }
     if (columns > 1) m.groups.push_back({columns / 2, 0.8f});
     m.groups.push_back({columns - columns / 2, 1.2f});
-    const size_t inputs = m.inputCount() * m.holdsS.size();
-    for (size_t i = 0; i < inputs * columns; ++i) m.modes.push_back(normal(random) / std::sqrt(float(inputs)));
+    const size_t features = m.featureCount();
+    for (size_t i = 0; i < features * columns; ++i) m.modes.push_back(normal(random) / std::sqrt(float(features)));
     return m;
 }
 

@@ -42,15 +42,27 @@ std::vector<Pose> moving(uint32_t count) {
 }
 
 std::vector<float> settled(const MotionModeData& m, const Pose& pose) {
-    MotionState state;
-    settleMotion(m, pose, state);
     std::vector<float> k(m.columnCount());
-    motionCoefficients(m, state, k);
+    motionCoefficients(m, stateOf(m, pose), k);
     return k;
 }
 
+/** Five pictures a second. */
+std::vector<double> times(size_t count) {
+    std::vector<double> timesS(count);
+    for (size_t i = 0; i < count; ++i) timesS[i] = 0.2 * double(i);
+    return timesS;
+}
+
+/** Of a film without times: nothing is held, so that states are those of the poses alone. */
+Result<MotionModeData> modelOf(const std::vector<JointData>& joints, const std::vector<Pose>& still, const std::vector<Pose>& film,
+                               MotionModelSettings settings = {}) {
+    settings.holdsS = {0};
+    return motionModel(joints, still, film, std::vector<double>(film.size(), 0.0), settings);
+}
+
 TEST(MotionModel, isZeroInStillPosesAndCentredInMotion) {
-    const auto model = motionModel(armJoints(), standing(20), moving(40));
+    const auto model = modelOf(armJoints(), standing(20), moving(40));
     ASSERT_TRUE(model) << model.error().message;
     EXPECT_EQ(model->joints, (std::vector<uint32_t>{1, 2})) << "no hips, no fingers";
     ASSERT_EQ(model->groups.size(), 2u) << "there are no legs";
@@ -73,7 +85,7 @@ TEST(MotionModel, isZeroInStillPosesAndCentredInMotion) {
 }
 
 TEST(MotionModel, nothingLeavesTheRangeOfTheMotion) {
-    const auto model = motionModel(armJoints(), standing(20), moving(40));
+    const auto model = modelOf(armJoints(), standing(20), moving(40));
     ASSERT_TRUE(model);
     const auto lengthIn = [&](const Pose& pose) {
         const std::vector<float> k = settled(*model, pose);
@@ -123,7 +135,7 @@ TEST(MotionModel, reachesTheClothesThatFollowTheLimbs) {
 
 TEST(MotionModel, isEmptyWithoutStillFramesOrMotion) {
     const auto empty = [](const std::vector<Pose>& still, const std::vector<Pose>& motion) {
-        const auto model = motionModel(armJoints(), still, motion);
+        const auto model = modelOf(armJoints(), still, motion);
         EXPECT_TRUE(model);
         return model && model->empty();
     };
@@ -132,14 +144,51 @@ TEST(MotionModel, isEmptyWithoutStillFramesOrMotion) {
     EXPECT_TRUE(empty(standing(20), standing(40)));
     std::vector<JointData> nameless(4);
     for (int i = 1; i < 4; ++i) nameless[size_t(i)].parent = i - 1;
-    EXPECT_TRUE(motionModel(nameless, standing(20), moving(40))->empty());
+    EXPECT_TRUE(modelOf(nameless, standing(20), moving(40))->empty());
+}
+
+TEST(MotionModel, holdsPeaksAndTheMoveItselfAlongAFilm) {
+    const auto model = motionModel(armJoints(), standing(20), moving(40), times(40));
+    ASSERT_TRUE(model) << model.error().message;
+    ASSERT_TRUE(checkMotionModes(*model, 4));
+    EXPECT_EQ(model->holdsS, MotionModelSettings().holdsS);
+    EXPECT_TRUE(model->lagsS.empty()) << "five pictures a second tell no lag";
+    std::vector<Pose> film = moving(40);
+    rememberFilm(*model, times(40), film);
+    EXPECT_EQ(film[0].before, MotionMemory());
+    EXPECT_EQ(settled(*model, film[0])[0], 0) << "nobody has moved before the film";
+    EXPECT_GT(settled(*model, film[20])[0], 0.8) << "back in the still pose, but it has moved";
+    for (const Pose& pose : standing(20))
+        for (const float k : settled(*model, pose)) EXPECT_EQ(k, 0);
+    std::vector<Pose> shuffled = moving(40);
+    std::vector<double> order = times(40);
+    std::reverse(shuffled.begin(), shuffled.end()), std::reverse(order.begin(), order.end());
+    rememberFilm(*model, order, shuffled);
+    for (size_t i = 0; i < film.size(); ++i) EXPECT_EQ(shuffled[39 - i].before, film[i].before) << i;
+    rememberFilm(*model, std::vector<double>(40, 3.0), film);
+    for (const Pose& pose : film) EXPECT_EQ(pose.before, MotionMemory()) << "no order is known";
+}
+
+TEST(MotionModel, aDenseFilmTellsLags) {
+    std::vector<double> timesS = times(60);
+    for (double& t : timesS) t /= 5;
+    const auto model = motionModel(armJoints(), standing(20), moving(60), timesS);
+    ASSERT_TRUE(model) << model.error().message;
+    ASSERT_TRUE(checkMotionModes(*model, 4));
+    EXPECT_EQ(model->lagsS, MotionModelSettings().lagsS);
+    for (const Pose& pose : standing(20))
+        for (const float k : settled(*model, pose)) EXPECT_EQ(k, 0);
+    std::vector<Pose> film = moving(60);
+    rememberFilm(*model, timesS, film);
+    const std::vector<float> k = settled(*model, film[31]);
+    EXPECT_GT(std::abs(k.back()) + std::abs(k[k.size() - 2]), 0.1f) << "the last group lags";
 }
 
 TEST(MotionModel, refusesAPoseOfAnotherRig) {
     auto poses = moving(20);
     poses[7].localRotations.pop_back();
-    EXPECT_EQ(motionModel(armJoints(), standing(3), poses).error().code, Code::InvalidArgument);
-    EXPECT_EQ(motionModel(armJoints(), poses, moving(20)).error().code, Code::InvalidArgument);
+    EXPECT_EQ(modelOf(armJoints(), standing(3), poses).error().code, Code::InvalidArgument);
+    EXPECT_EQ(modelOf(armJoints(), poses, moving(20)).error().code, Code::InvalidArgument);
 }
 
 }  // namespace

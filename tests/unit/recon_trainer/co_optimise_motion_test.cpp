@@ -50,6 +50,29 @@ TEST(CoOptimiseMotion, motionModesAreFoundAgain) {
     }
 }
 
+/** The same pose in every picture, in half of which the ball has moved before: only memory tells them apart. */
+TEST(CoOptimiseMotion, whatClothesHoldIsFoundAgain) {
+    Jobs jobs(2);
+    PoseCorrectiveData truth = movingCorrectives(ballMesh());
+    truth.motion.holdsS = {60};
+    truth.nodes = {Vec4f(0), Vec4f(0, 0.02f, 0.01f, 0.3f), Vec4f(0), Vec4f(0.015f, 0, 0, -0.3f)};
+    CoOptimiseInput input = withClothes(toyScene(jobs, 24, 0, 0, 72, truth, /*held=*/true));
+    input.correctives = movingCorrectives(input.mesh);
+    input.correctives.motion.holdsS = {60};
+    CoOptimiseSettings settings = toySettings(960);
+    settings.learnPoses = settings.learnGeometry = false;
+    settings.rateNodeOffset = 2e-3f;
+    auto t = CoOptimiser::create(std::move(input), settings, jobs);
+    ASSERT_TRUE(t) << t.error().message;
+    ASSERT_TRUE((*t)->run());
+    const CoOptimiseResult r = (*t)->result();
+    for (const size_t n : {0u, 1u}) {
+        const Vec4f found = r.correctives.nodes[2 * n + 1], want = truth.nodes[2 * n + 1];
+        EXPECT_NEAR(found.w, want.w, 0.1) << "light of node " << n;
+        for (int a = 0; a < 3; ++a) EXPECT_NEAR(found[a], want[a], 0.006) << "offset of node " << n;
+    }
+}
+
 TEST(CoOptimiseMotion, motionModesOfAFilmThatStandsStillLearnNothing) {
     Jobs jobs(2);
     CoOptimiseInput input = withClothes(toyScene(jobs, 8, 0.004f, 0));

@@ -47,7 +47,7 @@ inline std::vector<TrainFrame> labelled(std::vector<TrainFrame> frames, uint8_t 
 /** swayM (metres) and turn (radians): distance of each frame's true pose from the frame's stated pose. correctives: those of the truth; if
  *  given, every frame is a moving one with its own bend. */
 inline CoOptimiseInput toyScene(Jobs& jobs, uint32_t frameCount = 8, float swayM = 0, float turn = 0, uint32_t sizePx = 72,
-                                const PoseCorrectiveData& correctives = {}) {
+                                const PoseCorrectiveData& correctives = {}, bool held = false) {
     CoOptimiseInput in;
     in.joints = twoJoints();
     in.mesh = ballMesh();
@@ -80,7 +80,10 @@ inline CoOptimiseInput toyScene(Jobs& jobs, uint32_t frameCount = 8, float swayM
         f.camera.viewFromWorldRotation = Mat3d(std::cos(a), 0, -std::sin(a), 0, -1, 0, -std::sin(a), 0, -std::cos(a));
         f.camera.viewFromWorldTranslation = {0, 0, distance};
         f.pose = Pose::rest(2);
-        if (!correctives.empty()) {
+        if (!correctives.empty() && held) {
+            f.kind = FrameKind::Dynamic;
+            f.pose.before.held[0] = k % 2;
+        } else if (!correctives.empty()) {
             f.kind = FrameKind::Dynamic;
             f.pose.localRotations[1] = glm::angleAxis(0.5f * std::sin(2.1f * float(k)), Vec3f(1, 0, 0));
         }

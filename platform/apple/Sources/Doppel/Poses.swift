@@ -23,6 +23,33 @@ extension Avatar {
             })
     }
 
+    /// The same for a picture that is shown at timeNs, nanoseconds of any one clock: clothes then remember. See `dplSetPoseAtTime`.
+    public func setPose(_ pose: Pose, timeNs: Int64) throws(DoppelError) {
+        let root = [pose.root.x, pose.root.y, pose.root.z]
+        let count = try c(pose.rotations.count)
+        try check(
+            pose.rotations.withUnsafeBytes {
+                dplSetPoseAtTime(handle.raw, $0.bindMemory(to: Float.self).baseAddress, count, root, timeNs)
+            })
+    }
+
+    /// Clothes forget: they are those of the current pose alone.
+    public func settle() throws(DoppelError) { try check(dplSettle(handle.raw)) }
+
+    /// What the clothes remember in the current pose, and its time, for a save or another device.
+    public func motionState() throws(DoppelError) -> [UInt8] {
+        var size = 0
+        try check(dplGetMotionState(handle.raw, nil, 0, &size))
+        var state = [UInt8](repeating: 0, count: size)
+        try check(dplGetMotionState(handle.raw, &state, state.count, &size))
+        return state
+    }
+
+    /// Restores `motionState()` of an avatar of the same file.
+    public func setMotionState(_ state: [UInt8]) throws(DoppelError) {
+        try check(dplSetMotionState(handle.raw, state, state.count))
+    }
+
     public func pose() throws(DoppelError) -> Pose {
         let count = try info().jointCount
         var rotations = [SIMD4<Float>](repeating: .zero, count: count)

@@ -40,6 +40,10 @@ final class Native {
     static native float[] jointTree(long avatar);
     static native int findJoint(long avatar, String name);
     static native void setPose(long avatar, float[] rotations, float[] root);
+    static native void setPoseAtTime(long avatar, float[] rotations, float[] root, long timeNs);
+    static native void settle(long avatar);
+    static native byte[] motionState(long avatar);
+    static native void setMotionState(long avatar, byte[] state);
     static native void getPose(long avatar, float[] rotations, float[] root);
     static native void jointPositions(long avatar, float[] positions);
     static native String clipName(long avatar, int clip);

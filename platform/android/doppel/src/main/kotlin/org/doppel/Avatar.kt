@@ -83,6 +83,17 @@ class Avatar internal constructor(number: Long) : Closeable {
     /** rotations: x, y, z, w of each joint, local; identity at every joint is the rest pose. root: metres, or null for zero. */
     fun setPose(rotations: FloatArray, root: FloatArray? = null) = Native.setPose(number, rotations, root)
 
+    /** The same for a picture that is shown at [timeNs], nanoseconds of any one clock: clothes then remember. */
+    fun setPose(rotations: FloatArray, root: FloatArray?, timeNs: Long) = Native.setPoseAtTime(number, rotations, root, timeNs)
+
+    /** Clothes forget: they are those of the current pose alone. */
+    fun settle() = Native.settle(number)
+
+    /** What the clothes remember in the current pose, and its time; it can be set for an avatar of the same file. */
+    var motionState: ByteArray
+        get() = Native.motionState(number)
+        set(state) = Native.setMotionState(number, state)
+
     fun pose(): Pose {
         val pose = Pose(FloatArray(4 * info.jointCount), FloatArray(3))
         Native.getPose(number, pose.rotations, pose.root)

@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: Apache-2.0
+// What clothes remember along a scan's film.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "reconstruction/output/package/poses_file.h"
+#include "reconstruction/run/frame_table.h"
+
+namespace dpl {
+
+/** Times of those of a scan's frames that move, seconds. rows: of the scan. */
+std::vector<double> movingTimesS(const Scan& scan, std::span<const size_t> rows);
+
+/** Sets Pose::before of moving frames by what came before them in the film (rememberFilm); that of the others is zero. poses: one a row. */
+void rememberPoses(const Scan& scan, std::span<const size_t> rows, const MotionModeData& motion, std::span<Pose> poses);
+/** The same for the poses of a set of frames. */
+void rememberFrames(const Scan& scan, const MotionModeData& motion, FrameSet& set);
+/** The same for the poses of all frames of a scan, in its order. */
+void rememberPoses(const Scan& scan, const MotionModeData& motion, std::span<Pose> poses);
+
+/** What clothes remember in a pose, as bytes for dplSetMotionState. */
+std::vector<uint8_t> motionStateBytes(const MotionModeData& motion, Pose pose);
+
+/** rememberPoses() for a poses file of the scan, one pose a frame. A fitted pose remembers the same as the pose that it was fitted from. */
+void rememberPoses(const Scan& scan, const MotionModeData& motion, PosesFile& file);
+
+}  // namespace dpl

@@ -1,0 +1,131 @@
+// SPDX-License-Identifier: Apache-2.0
+// Clothes that remember, through the C API: when they do, when they do not, and that a state can be saved.
+#include <algorithm>
+#include <cmath>
+
+#include "tests/not_finite.h"
+#include "tests/unit/api/api_fixture.h"
+#include "tests/unit/format/sample_correctives.h"
+
+namespace dpl::test {
+namespace {
+
+constexpr int64_t kSecond = 1'000'000'000;
+
+class MotionApiTest : public ApiTest {
+protected:
+    void SetUp() override {
+        ApiTest::SetUp();
+        AvatarData data = withCorrectives(tinyAvatar(), 3, {.offsetM = 0.2f, .reach = 0.01f, .motion = 4});
+        data.correctives.motion.movedFromRad = 0.01f, data.correctives.motion.movedToRad = 0.02f;
+        data.correctives.motion.holdsS = {0, 60};
+        for (Vec2f& range : data.correctives.motion.rangeRad) range = Vec2f(0.01f, 2);
+        for (Vec4f& still : data.correctives.motion.still) still = Vec4f(0, 0, 0, 1);
+        sortSplats(data);
+        const auto bytes = writeAvatar(data);
+        ASSERT_TRUE(bytes) << bytes.error().message;
+        ASSERT_EQ(dplLoadAvatar(context_, bytes->data(), bytes->size(), &person_), DPL_OK) << dplGetLastError();
+    }
+    void TearDown() override {
+        EXPECT_EQ(dplDestroyAvatar(person_), DPL_OK);
+        ApiTest::TearDown();
+    }
+    /** Both joints, the second turned about x by the angle whose half has this sine. */
+    std::vector<float> pose(float sine) const { return {0, 0, 0, 1, sine, 0, 0, std::sqrt(1 - sine * sine)}; }
+    std::vector<uint8_t> drawn() {
+        const DplCamera camera = frontCamera();
+        std::vector<uint8_t> pixels;
+        const DplImage image = imageFor(camera, pixels);
+        EXPECT_EQ(dplRender(context_, person_, &camera, 1, &image), DPL_OK) << dplGetLastError();
+        EXPECT_GT(std::count_if(pixels.begin(), pixels.end(), [](uint8_t c) { return c != 0; }), 200) << "an empty picture proves nothing";
+        return pixels;
+    }
+    std::vector<uint8_t> drawnPlain(float sine) {
+        EXPECT_EQ(dplSetPose(person_, pose(sine).data(), 2, nullptr), DPL_OK) << dplGetLastError();
+        return drawn();
+    }
+    std::vector<uint8_t> drawnAt(float sine, int64_t timeNs) {
+        EXPECT_EQ(dplSetPoseAtTime(person_, pose(sine).data(), 2, nullptr, timeNs), DPL_OK) << dplGetLastError();
+        return drawn();
+    }
+    std::vector<uint8_t> state() {
+        size_t size = 0;
+        EXPECT_EQ(dplGetMotionState(person_, nullptr, 0, &size), DPL_OK) << dplGetLastError();
+        std::vector<uint8_t> bytes(size);
+        EXPECT_EQ(dplGetMotionState(person_, bytes.data(), size, &size), DPL_OK) << dplGetLastError();
+        return bytes;
+    }
+
+    DplAvatar person_ = nullptr;
+};
+
+TEST_F(MotionApiTest, aPoseWithATimeRemembersAndAPoseWithoutDoesNot) {
+    const std::vector<uint8_t> rest = drawnPlain(0);
+    EXPECT_TRUE(drawnAt(0, 0) == rest) << "nothing has happened yet";
+    EXPECT_TRUE(drawnAt(0.6f, kSecond) != rest);
+    const std::vector<uint8_t> after = drawnAt(0, 2 * kSecond);
+    EXPECT_TRUE(after != rest) << "the pose is that of the start, and its clothes are not";
+    EXPECT_TRUE(drawn() == after) << "a second picture of the same pose";
+    EXPECT_TRUE(drawnAt(0, 2 * kSecond) == after) << "the same pose for the same time";
+    EXPECT_TRUE(drawnPlain(0) == rest) << "the same pose, the same bytes";
+}
+
+TEST_F(MotionApiTest, settledClothesAreThoseOfThePoseAlone) {
+    const std::vector<uint8_t> rest = drawnPlain(0);
+    drawnAt(0.6f, 0);
+    EXPECT_TRUE(drawnAt(0, kSecond) != rest);
+    ASSERT_EQ(dplSettle(person_), DPL_OK) << dplGetLastError();
+    EXPECT_TRUE(drawn() == rest);
+    EXPECT_TRUE(drawnAt(0, 2 * kSecond) == rest);
+}
+
+TEST_F(MotionApiTest, posesThatWereNeverDrawnLeaveNoTrace) {
+    const std::vector<uint8_t> rest = drawnPlain(0);
+    drawnAt(0, 0);
+    ASSERT_EQ(dplSetPoseAtTime(person_, pose(0.6f).data(), 2, nullptr, kSecond), DPL_OK);
+    EXPECT_TRUE(drawnAt(0, 2 * kSecond) == rest);
+}
+
+TEST_F(MotionApiTest, aSavedStateGoesOnAlikeInAnotherAvatar) {
+    drawnAt(0.6f, 0), drawnAt(0.3f, kSecond);
+    const std::vector<uint8_t> saved = state();
+    const std::vector<uint8_t> want = drawnAt(0.1f, 2 * kSecond);
+    drawnPlain(0), drawnAt(0.5f, 900 * kSecond);
+    ASSERT_EQ(dplSetMotionState(person_, saved.data(), saved.size()), DPL_OK) << dplGetLastError();
+    EXPECT_TRUE(drawnAt(0.1f, 2 * kSecond) == want);
+    EXPECT_EQ(dplSetMotionState(avatar_, saved.data(), saved.size()), DPL_ERROR_INVALID_ARGUMENT);
+    EXPECT_TRUE(errorSays("another avatar")) << dplGetLastError();
+    EXPECT_TRUE(drawn() == want) << "a refused state changes nothing";
+}
+
+TEST_F(MotionApiTest, refusesWhatDoesNotFit) {
+    size_t size = 7;
+    std::vector<uint8_t> bytes = state();
+    EXPECT_EQ(dplGetMotionState(person_, bytes.data(), bytes.size() - 1, &size), DPL_ERROR_INVALID_ARGUMENT);
+    EXPECT_EQ(size, 7u) << "outputs are written only on DPL_OK";
+    EXPECT_EQ(dplGetMotionState(person_, bytes.data(), bytes.size(), nullptr), DPL_ERROR_INVALID_ARGUMENT);
+    EXPECT_EQ(dplSetMotionState(person_, nullptr, 0), DPL_ERROR_INVALID_ARGUMENT);
+    EXPECT_EQ(dplSetMotionState(person_, bytes.data(), 3), DPL_ERROR_INVALID_ARGUMENT);
+    EXPECT_EQ(dplSettle(nullptr), DPL_ERROR_INVALID_ARGUMENT);
+    const std::vector<uint8_t> before = drawnAt(0.3f, 0);
+    const float bad[8] = {0, 0, 0, 1, kNan, 0, 0, 1};
+    EXPECT_EQ(dplSetPoseAtTime(person_, bad, 2, nullptr, kSecond), DPL_ERROR_INVALID_ARGUMENT);
+    EXPECT_TRUE(drawn() == before) << "pose and time stay";
+}
+
+TEST_F(MotionApiTest, aClipIsAFunctionOfItsTimeInAnyOrder) {
+    std::vector<std::vector<uint8_t>> forward;
+    for (int k = 0; k <= 6; ++k) {
+        ASSERT_EQ(dplSetPoseFromClip(person_, 0, 0.15 * k, DPL_FALSE), DPL_OK) << dplGetLastError();
+        forward.push_back(drawn());
+    }
+    drawnAt(0.6f, kSecond);
+    for (int k = 6; k >= 0; --k) {
+        ASSERT_EQ(dplSetPoseFromClip(person_, 0, 0.15 * k, DPL_FALSE), DPL_OK);
+        EXPECT_TRUE(drawn() == forward[size_t(k)]) << k;
+    }
+    EXPECT_TRUE(forward[6] != forward[0]);
+}
+
+}  // namespace
+}  // namespace dpl::test
