@@ -46,6 +46,15 @@ Status tuckUnseenBody(AssembledAvatar& assembled, Jobs& jobs) {
 
 }  // namespace
 
+Result<AvatarData> asReadersDecode(const AvatarData& avatar, Jobs& jobs) {
+    DPL_TRY(AvatarData decoded, decodedAvatar(avatar));
+    if (decoded.splats.shDegree == 0) return decoded;
+    DPL_TRY(const ShPaletteReport palette, paletteSh(decoded.splats, kAvatarPalette, jobs));
+    log(LogLevel::Info, "SH palette of {} entries, {} levels off", palette.entries, palette.rmsLevels);
+    DPL_TRY(const auto bytes, writeAvatar(decoded, kPackaged));
+    return readAvatar(bytes);
+}
+
 Status StageOf<AssembledAvatar>::inputs(StageInputs& in) {
     DPL_TRY(const FrameTable* table, in.part<FrameTable>());
     DPL_TRY([[maybe_unused]] const MetricCameras* cameras, in.part<MetricCameras>());
@@ -96,13 +105,7 @@ Result<AssembledAvatar> StageOf<AssembledAvatar>::compute(StageInputs& in) {
     avatar.mesh = decoded.mesh;  // the vertices that every reader decodes
     mendGarments(avatar);
     DPL_TRY([[maybe_unused]] uint32_t unchanged, rebaseSplats(trainedRest, avatar));
-    DPL_TRY(avatar, decodedAvatar(avatar));
-    if (avatar.splats.shDegree > 0) {
-        DPL_TRY(const ShPaletteReport palette, paletteSh(avatar.splats, kAvatarPalette, in.jobs()));
-        log(LogLevel::Info, "SH palette of {} entries, {} levels off", palette.entries, palette.rmsLevels);
-        DPL_TRY(const auto bytes, writeAvatar(avatar, kPackaged));
-        DPL_TRY(avatar, readAvatar(bytes));
-    }
+    DPL_TRY(avatar, asReadersDecode(avatar, in.jobs()));
     return out;
 }
 

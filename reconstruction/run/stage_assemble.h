@@ -28,4 +28,7 @@ struct StageOf<AssembledAvatar> {
     static Result<AssembledAvatar> compute(StageInputs& in);
 };
 
+/** The avatar as every reader decodes it, with its SH in a palette. */
+Result<AvatarData> asReadersDecode(const AvatarData& avatar, Jobs& jobs);
+
 }  // namespace dpl

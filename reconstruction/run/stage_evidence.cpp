@@ -16,7 +16,6 @@
 #include "reconstruction/run/stage_co_optimise.h"
 #include "reconstruction/run/stage_ingest.h"
 #include "reconstruction/run/stage_register.h"
-#include "reconstruction/training/trainer/retrain.h"
 #include "sdk/core/evenly_spaced.h"
 #include "sdk/core/files.h"
 
@@ -88,11 +87,9 @@ public:
 
     /** The scores of `avatar` after it was trained on. */
     Result<JuryScore> score(AvatarData avatar, const RetrainParts& parts) const {
-        const auto steps = uint32_t(std::max(20.0, priors::kRetrainShare * settings_.training.steps));
-        const CoOptimiseSettings training = retrainSettings(settings_.training, parts, steps, avatar.splats.shDegree);
         {
             const TaskPart part(0, 0.5);
-            DPL_TRY(avatar, retrain(std::move(avatar), assembled_.triangleLabel, assembled_.frames, training, jobs_));
+            DPL_TRY(avatar, trainedOn(std::move(avatar), parts, assembled_, settings_, jobs_));
         }
         const TaskPart scoring(0.5, 1);
         DPL_TRY(const auto bytes, writeAvatar(avatar, {}));
@@ -198,6 +195,13 @@ nlohmann::json juryInputs(const FrameTable& table) {
 }
 
 }  // namespace
+
+Result<AvatarData> trainedOn(AvatarData avatar, const RetrainParts& parts, const AssembledAvatar& assembled, const RunSettings& settings,
+                             Jobs& jobs) {
+    const auto steps = uint32_t(std::max(20.0, priors::kRetrainShare * settings.training.steps));
+    const CoOptimiseSettings training = retrainSettings(settings.training, parts, steps, avatar.splats.shDegree);
+    return retrain(std::move(avatar), assembled.triangleLabel, assembled.frames, training, jobs);
+}
 
 Status StageOf<MeasuredParts>::inputs(StageInputs& in) {
     DPL_TRY(const FrameTable* table, in.part<FrameTable>());

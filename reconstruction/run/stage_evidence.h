@@ -8,6 +8,8 @@
 
 #include "reconstruction/judging/evidence/evidence_file.h"
 #include "reconstruction/run/graph.h"
+#include "reconstruction/run/stage_assemble.h"
+#include "reconstruction/training/trainer/retrain.h"
 
 namespace dpl {
 
@@ -24,5 +26,10 @@ struct StageOf<MeasuredParts> {
     static Status make(StageInputs& in, StageContext& context);
     static Result<MeasuredParts> read(StageInputs& in, const std::filesystem::path& folder);
 };
+
+/** Trains an avatar, from which parts may have been taken, on for a short while. The stage scores avatars after this, and packaging does
+ * the same without the parts that did not pay: what ships is what was judged. parts: those that may still learn. */
+Result<AvatarData> trainedOn(AvatarData avatar, const RetrainParts& parts, const AssembledAvatar& assembled, const RunSettings& settings,
+                             Jobs& jobs);
 
 }  // namespace dpl

@@ -21,6 +21,7 @@ Status StageOf<Package>::inputs(StageInputs& in) {
     for (const EvidenceData& row : layers->decided) rows.push_back({row.part, row.kept, row.reason});
     in.value("decided", rows);
     in.value("polish", polishInputs(after->settings));
+    in.value("training", trainingInputs(after->settings));
     DPL_RETURN_IF_ERROR(in.use<MappedBody>());
     DPL_RETURN_IF_ERROR(in.use<AssembledAvatar>());
     return in.use<MeasuredParts>();
@@ -32,13 +33,26 @@ Status StageOf<Package>::make(StageInputs& in, StageContext& context) {
     DPL_TRY(const MappedBody* mapped, in.of<MappedBody>());
     DPL_TRY(const MeasuredParts* measured, in.of<MeasuredParts>());
     DPL_TRY(const AssembledAvatar* assembled, in.of<AssembledAvatar>());
+    const RunSettings& settings = after->settings;
     AvatarData avatar = assembled->avatar;
-    for (const PartEvidence& part : measured->parts)
-        if (!part.row.kept) removePart(avatar, part.part);
+    RetrainParts learns{.correctiveLight = settings.training.rateNodeLight > 0};
+    bool makesUp = false;  // for correctives; colour alone needs no more than the polish
+    for (const PartEvidence& part : measured->parts) {
+        if (part.row.kept) continue;
+        if (part.part == AvatarPart::CorrectiveOffsets) learns.correctiveOffsets = false;
+        if (part.part == AvatarPart::CorrectiveLight) learns.correctiveLight = false;
+        makesUp |= part.part != AvatarPart::ViewDependentColour && hasPart(avatar, part.part);
+        removePart(avatar, part.part);
+    }
     dropEmptyCorrectives(avatar);
+    if (makesUp) {
+        const TaskPart part(0, 0.5);
+        DPL_TRY(avatar, trainedOn(std::move(avatar), learns, *assembled, settings, in.jobs()));
+        DPL_TRY(avatar, asReadersDecode(avatar, in.jobs()));
+    }
     avatar.evidence = layers->decided;
     for (const PartEvidence& part : measured->parts) avatar.evidence.push_back(part.row);
-    const RunSettings& settings = after->settings;
+    const TaskPart part(makesUp ? 0.5 : 0, 1);
     DPL_TRY(avatar, polish(std::move(avatar), assembled->triangleLabel, assembled->frames, settings.polishSteps, settings.training.seed,
                            in.jobs()));
     avatar.captureMap = mapped->capture;

@@ -72,10 +72,9 @@ struct Avatar {
     FrameStats stats;                              // result of the last dplGetFrameStats
     ~Avatar();
 
-    void addClip(const ClipData& clip) {
-        clips.push_back(&clip);
-        clipMemories.emplace_back(clip, data->joints, data->correctives.motion);
-    }
+    /** Replays a clip, which must stay where it is. Takes milliseconds, and needs no lock. */
+    ClipMemory memoryOf(const ClipData& clip) const { return {clip, data->joints, data->correctives.motion}; }
+    void addClip(const ClipData& clip, ClipMemory memory) { clips.push_back(&clip), clipMemories.push_back(std::move(memory)); }
 };
 
 /** Objects by handle. Handles are numbers that are never reused, so a stale handle is not found. Any thread. */

@@ -74,13 +74,15 @@ DplResult dplLoadClip(DplAvatar avatar, const uint8_t* data, size_t size, const 
         DPL_TRY(ClipData made,  // outside the lock: the rig never changes
                 readClip({data, size}, wanted.name ? wanted.name : "the clip", choice, found->data->joints, how));
         DPL_RETURN_IF_ERROR(checkClip(made, found->data->joints));
+        auto kept = std::make_unique<ClipData>(std::move(made));
+        ClipMemory memory = found->memoryOf(*kept);
         std::lock_guard lock(found->context->mutex);
         if (wanted.name)
-            made.name = wanted.name;
-        else if (made.name == "the clip")
-            made.name = formatText("clip {}", found->clips.size());
-        found->added.push_back(std::make_unique<ClipData>(std::move(made)));
-        found->addClip(*found->added.back());
+            kept->name = wanted.name;
+        else if (kept->name == "the clip")
+            kept->name = formatText("clip {}", found->clips.size());
+        found->added.push_back(std::move(kept));
+        found->addClip(*found->added.back(), std::move(memory));
         *clip = uint32_t(found->clips.size() - 1);
         return {};
     });

@@ -35,7 +35,7 @@ Result<Decoded> decodeAvatar(std::span<const uint8_t> bytes) {
     made->data = std::make_shared<const AvatarData>(std::move(decoded));
     made->fileSplatCount = coded.splats.count(), made->fileShDegree = coded.splats.shDegree;
     made->pose = Pose::rest(made->data->joints.size());
-    for (const ClipData& clip : made->data->clips) made->addClip(clip);
+    for (const ClipData& clip : made->data->clips) made->addClip(clip, made->memoryOf(clip));
     const std::vector<Vec3f>& vertices = made->data->mesh.restPositions;
     if (!vertices.empty()) made->restMin = made->restMax = vertices.front();
     for (const Vec3f& v : vertices) made->restMin = glm::min(made->restMin, v), made->restMax = glm::max(made->restMax, v);

@@ -6,6 +6,9 @@
 
 #include "reconstruction/judging/evidence/evidence_file.h"
 #include "reconstruction/judging/report/score.h"
+#include "reconstruction/run/stage_body_map.h"
+#include "reconstruction/run/stage_evidence.h"
+#include "reconstruction/run/stage_package.h"
 #include "tests/unit/recon_run/toy_reconstruction.h"
 
 namespace dpl::test {
@@ -55,6 +58,33 @@ TEST(Retrain, doesNotDependOnTheNumberOfThreads) {
     Jobs one(1), three(3);
     EXPECT_EQ(bytesOf(must(retrain(toy.avatar, {}, frames, settings, one))),
               bytesOf(must(retrain(toy.avatar, {}, frames, settings, three))));
+}
+
+/** The avatar that the package stage ships when the evidence keeps or drops the light. */
+AvatarData packaged(ToyReconstruction& toy, const AssembledAvatar& assembled, bool keepsLight) {
+    dpl::Run run(toy.chain, toy.jobs, toy.progress);
+    run.put(toy.layers, "layers");
+    run.put(SettingsAfterTraining{toy.settings}, "settings");
+    run.put(MappedBody(), "map");
+    run.put(assembled, "assembled");
+    run.put(MeasuredParts{{{AvatarPart::CorrectiveLight, {"light", keepsLight, 0.0f, 0, "for the test"}}}},
+            keepsLight ? "kept" : "dropped");
+    return must(readAvatar(must(run.get<Package>())->bytes));
+}
+
+TEST(Retrain, whatShipsHasMadeUpForAPartThatDidNotPay) {
+    ToyReconstruction toy;
+    toy.settings.training.steps = 750, toy.settings.polishSteps = 2;
+    toy.avatar.correctives = ballCorrectives(toy.avatar.mesh, {0, 0, 0, 0.2f}, {0, 0, 0, 0.2f});
+    AvatarData brighter = toy.avatar;
+    for (size_t i = 0; i < brighter.splats.count(); ++i)
+        for (size_t c = 0; c < 3; ++c) brighter.splats.sh[i * (brighter.splats.sh.size() / brighter.splats.count()) + c] += 0.3f;
+    toy.takePictures(brighter);
+    const AssembledAvatar assembled{toy.avatar, framesOfToy(toy), {}};
+    const AvatarData kept = packaged(toy, assembled, true), dropped = packaged(toy, assembled, false);
+    EXPECT_TRUE(hasPart(kept, AvatarPart::CorrectiveLight));
+    EXPECT_FALSE(hasPart(dropped, AvatarPart::CorrectiveLight));
+    EXPECT_GT(scoreOf(dropped, assembled.frames), scoreOf(kept, assembled.frames) + 1.0) << "nothing was taken, so nothing was made up for";
 }
 
 }  // namespace
