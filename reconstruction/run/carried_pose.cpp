@@ -52,7 +52,7 @@ Pose carriedPose(const Scan& scan, const std::vector<Pose>& registered, const st
 }
 
 std::vector<Pose> posesAfterTraining(const FrameTable& table, const std::vector<Pose>& registered, const CoOptimiseResult& trained,
-                                     const MotionModeData& motion) {
+                                     const MotionModeData& motion, HeldOut heldOut) {
     const std::vector<const Pose*> byFrame = trainedPoses(table, trained);
     std::vector<Pose> poses;
     for (size_t row = 0; row < table.rows(); ++row) {
@@ -62,7 +62,12 @@ std::vector<Pose> posesAfterTraining(const FrameTable& table, const std::vector<
         else
             poses.push_back(trains ? registered[row] : carriedPose(table.scan, registered, byFrame, row));
     }
-    rememberPoses(table.scan, motion, poses);
+    std::vector<size_t> rows;
+    std::vector<Pose> film;
+    for (size_t row = 0; row < table.rows(); ++row)
+        if (heldOut == HeldOut::Known || table.scan.frames[row].split != Split::Test) rows.push_back(row), film.push_back(poses[row]);
+    rememberPoses(table.scan, rows, motion, film);
+    for (size_t i = 0; i < rows.size(); ++i) poses[rows[i]].before = film[i].before;
     return poses;
 }
 

@@ -19,9 +19,12 @@ std::vector<const Pose*> trainedPoses(const FrameTable& table, const CoOptimiseR
  *  registered pose. registered: one a frame of the scan; trained: of trainedPoses(). */
 Pose carriedPose(const Scan& scan, const std::vector<Pose>& registered, const std::vector<const Pose*>& trained, size_t f);
 
+/** Who may know of held-out frames: what decides about an avatar may not, not even that they come before other frames. */
+enum class HeldOut : bool { Unknown, Known };
+
 /** The poses of all frames after training: trained ones, and carriedPose() of the others. Those of moving frames know what the avatar's
- *  clothes held before them. motion: of that avatar. */
+ *  clothes remember of the frames before them, without held-out ones where those are unknown. motion: of that avatar. */
 std::vector<Pose> posesAfterTraining(const FrameTable& table, const std::vector<Pose>& registered, const CoOptimiseResult& trained,
-                                     const MotionModeData& motion);
+                                     const MotionModeData& motion, HeldOut heldOut);
 
 }  // namespace dpl

@@ -59,7 +59,7 @@ Result<Jury> chooseJury(StageInputs& in, const AssembledAvatar& assembled) {
     Jury jury;
     DPL_TRY(FrameSet set, registeredFrames(in, Split::Validation));
     const std::vector<Pose> poses =
-        posesAfterTraining(*table, registered->poses.poses, training->result, assembled.avatar.correctives.motion);
+        posesAfterTraining(*table, registered->poses.poses, training->result, assembled.avatar.correctives.motion, HeldOut::Unknown);
     for (size_t i = 0; i < set.frames.size(); ++i) set.frames[i].pose = poses[set.rows[i]];
     jury.frames = std::move(set.frames);
     if (jury.judging() > 0) return jury;

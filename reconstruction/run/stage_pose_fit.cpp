@@ -57,7 +57,8 @@ Status StageOf<FoundPoses>::make(StageInputs& in, StageContext& context) {
     poses.avatarHash = info.contentHash;
     for (const JointData& joint : avatar.joints) poses.jointNames.push_back(joint.name), poses.restPositions.push_back(joint.restPosition);
     if (!scan.metricWorld) poses.metresPerUnit = body->fit.metresPerUnit;
-    const std::vector<Pose> found = posesAfterTraining(*table, registered->poses.poses, training->result, avatar.correctives.motion);
+    const std::vector<Pose> found =
+        posesAfterTraining(*table, registered->poses.poses, training->result, avatar.correctives.motion, HeldOut::Known);
     size_t judged = 0, done = 0;
     for (const ScanFrame& frame : scan.frames) judged += frame.split != Split::Train;
     for (size_t row = 0; row < table->rows(); ++row) {

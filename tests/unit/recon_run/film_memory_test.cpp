@@ -5,6 +5,9 @@
 
 #include <cmath>
 
+#include "reconstruction/run/carried_pose.h"
+#include "tests/unit/recon_run/toy_reconstruction.h"
+
 namespace {
 
 using namespace dpl;
@@ -67,6 +70,20 @@ TEST(FilmMemory, picturesOfOneMomentRememberTheSame) {
     rememberPoses(film.scan, holding(), film.file);
     EXPECT_NEAR(film.heldAt(1), std::exp(-2 / 6.0), 1e-6);
     EXPECT_EQ(film.heldAt(2), film.heldAt(1));
+}
+
+TEST(FilmMemory, whatDecidesAboutAnAvatarDoesNotKnowThatHeldOutFramesCameBefore) {
+    test::ToyReconstruction toy;
+    MotionModeData motion = holding();
+    motion.joints = {1};
+    toy.table.scan.frames[7].timeS = 1, toy.table.scan.frames[3].timeS = 2, toy.table.scan.frames[4].timeS = 3;
+    ASSERT_EQ(toy.table.scan.frames[7].split, Split::Test);
+    const auto heldBefore = [&](size_t frame, HeldOut heldOut) {
+        return posesAfterTraining(toy.table, toy.truth, toy.training.result, motion, heldOut)[frame].before.held[1];
+    };
+    EXPECT_GT(heldBefore(3, HeldOut::Known), 0.1);
+    EXPECT_EQ(heldBefore(3, HeldOut::Unknown), 0) << "the first that is known";
+    EXPECT_GT(heldBefore(4, HeldOut::Unknown), 0.1);
 }
 
 }  // namespace
