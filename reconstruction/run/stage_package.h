@@ -14,7 +14,7 @@ struct Package {
 template <>
 struct StageOf<Package> {
     static constexpr StageName kName{"package", 8};
-    static constexpr const char* kPriors[] = {"input/cameras",   "input/capture",        "judging/evidence", "subject/garments",
+    static constexpr const char* kPriors[] = {"input/cameras",   "input/capture",        "subject/garments",
                                               "subject/surface", "training/correctives", "training/trainer"};
     static Status inputs(StageInputs& in);
     static Status make(StageInputs& in, StageContext& context);
