@@ -11,6 +11,7 @@
 #include "apps/shared/pictures.h"
 #include "apps/shared/video_writer.h"
 #include "reconstruction/base/image_codec.h"
+#include "reconstruction/judging/report/draw_view.h"
 #include "reconstruction/output/package/avatar_bytes.h"
 #include "reconstruction/run/film_memory.h"
 #include "reconstruction/run/frame_table.h"

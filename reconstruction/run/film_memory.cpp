@@ -4,7 +4,6 @@
 #include <numeric>
 
 #include "reconstruction/training/correctives/motion_model.h"
-#include "sdk/motion/motion_clock.h"
 
 namespace dpl {
 
@@ -45,12 +44,6 @@ void rememberPoses(const Scan& scan, const MotionModeData& motion, PosesFile& fi
         file.frames[f].pose.before = poses[f].before;
         if (file.frames[f].fittedPose) file.frames[f].fittedPose->before = poses[f].before;
     }
-}
-
-std::vector<uint8_t> motionStateBytes(const MotionModeData& motion, Pose pose) {
-    MotionClock clock;
-    clock.show(motion, pose);
-    return clock.save(motion);
 }
 
 }  // namespace dpl

@@ -20,10 +20,7 @@ void rememberFrames(const Scan& scan, const MotionModeData& motion, FrameSet& se
 /** The same for the poses of all frames of a scan, in its order. */
 void rememberPoses(const Scan& scan, const MotionModeData& motion, std::span<Pose> poses);
 
-/** What clothes remember in a pose, as bytes for dplSetMotionState. */
-std::vector<uint8_t> motionStateBytes(const MotionModeData& motion, Pose pose);
-
-/** rememberPoses() for a poses file of the scan, one pose a frame. A fitted pose remembers the same as the pose that it was fitted from. */
+/** The same for a poses file of the scan, one pose a frame. A fitted pose remembers the same as the pose that it was fitted from. */
 void rememberPoses(const Scan& scan, const MotionModeData& motion, PosesFile& file);
 
 }  // namespace dpl

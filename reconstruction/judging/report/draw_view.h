@@ -12,6 +12,9 @@
 
 namespace dpl {
 
+/** What clothes remember in a pose, as bytes for dplSetMotionState. motion: of the avatar. */
+std::vector<uint8_t> motionStateBytes(const MotionModeData& motion, Pose pose);
+
 class AvatarView {
 public:
     /** Loads the bytes of an avatar file. threadCount 0: one thread per core. Pictures do not depend on the number of threads. */
@@ -20,7 +23,7 @@ public:
     AvatarView& operator=(AvatarView&&) noexcept;
     ~AvatarView();
 
-    /** RGBA with straight alpha, 4 bytes per pixel, in the camera's size. */
+    /** RGBA with straight alpha, 4 bytes per pixel, in the camera's size. Clothes remember what the pose remembers (Pose::before). */
     Result<std::vector<uint8_t>> draw(const Pose& pose, const Camerad& camera);
 
 private:

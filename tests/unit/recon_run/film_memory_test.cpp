@@ -12,6 +12,12 @@ namespace {
 
 using namespace dpl;
 
+double meanAbsoluteLevels(const std::vector<uint8_t>& a, const std::vector<uint8_t>& b) {
+    double sum = 0;
+    for (size_t i = 0; i < a.size(); ++i) sum += std::abs(int(a[i]) - int(b[i]));
+    return sum / double(a.size());
+}
+
 /** Joint 0, held for 6 s. */
 MotionModeData holding() {
     MotionModeData m;
@@ -84,6 +90,25 @@ TEST(FilmMemory, whatDecidesAboutAnAvatarDoesNotKnowThatHeldOutFramesCameBefore)
     EXPECT_GT(heldBefore(3, HeldOut::Known), 0.1);
     EXPECT_EQ(heldBefore(3, HeldOut::Unknown), 0) << "the first that is known";
     EXPECT_GT(heldBefore(4, HeldOut::Unknown), 0.1);
+}
+
+TEST(FilmMemory, picturesAreDrawnAndScoredWithWhatTheirPosesRemember) {
+    test::ToyReconstruction toy;
+    AvatarData& avatar = toy.avatar;
+    avatar.correctives = test::ballCorrectives(avatar.mesh, {0, 0, 0, 0.2f}, {0, 0, 0, 0.2f});
+    MotionModeData motion = holding();
+    motion.joints = {1};
+    addMotionModes(avatar.correctives, motion);
+    for (uint32_t n = 0; n < avatar.correctives.nodeCount; ++n)
+        avatar.correctives.nodes[n * avatar.correctives.columnCount() + avatar.correctives.modeCount] = Vec4f(0, 0.1f, 0, 0.5f);
+    AvatarView view = must(AvatarView::open(test::bytesOf(avatar), 2));
+    const Camerad& camera = toy.metric.cameras[0];
+    const Pose still = Pose::rest(2);
+    Pose after = still;
+    after.before.held[0] = 1, after.before.held[1] = 0.8;
+    const auto settled = must(view.draw(still, camera)), remembering = must(view.draw(after, camera));
+    EXPECT_GT(meanAbsoluteLevels(settled, remembering), 3);
+    EXPECT_TRUE(must(view.draw(still, camera)) == settled) << "and the next picture settles again";
 }
 
 }  // namespace
