@@ -7,6 +7,7 @@
 
 #include "apps/doppel/commands.h"
 #include "apps/doppel/talk.h"
+#include "apps/shared/change_pose.h"
 #include "apps/shared/checks.h"
 #include "apps/shared/pictures.h"
 #include "apps/shared/video_writer.h"
@@ -119,10 +120,7 @@ Status moveAside(doppel::Avatar& avatar, double metres) {
     if (dplGetPose(avatar.handle(), rotations.data(), info->jointCount, root) != DPL_OK)
         return fail(Code::Internal, "{}", dplGetLastError());
     root[0] += float(metres);
-    const auto remembered = avatar.motionState();
-    if (!remembered) return fromSdk(remembered.error());
-    if (auto set = avatar.setPose(rotations, root); !set) return fromSdk(set.error());
-    if (auto set = avatar.setMotionState(*remembered); !set) return fromSdk(set.error());
+    if (auto set = changePose(avatar, rotations, root); !set) return fromSdk(set.error());
     return {};
 }
 

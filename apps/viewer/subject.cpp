@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "apps/viewer/subject.h"
 
+#include "apps/shared/change_pose.h"
 #include "apps/shared/pictures.h"
 
 namespace dpl {
@@ -62,7 +63,7 @@ Status ViewedSubject::pose(double timeS) {
         q[0] = turned.x, q[1] = turned.y, q[2] = turned.z, q[3] = turned.w;
     }
     root[0] += float(asideM);
-    if (auto set = avatar.setPose(rotations_, root); !set) return fromSdk(set.error());
+    if (auto set = clip ? changePose(avatar, rotations_, root) : avatar.setPose(rotations_, root); !set) return fromSdk(set.error());
     return {};
 }
 

@@ -7,6 +7,7 @@
 #include "sdk/format/avatar_file.h"
 #include "sdk/format/ply.h"
 #include "tests/package/tiny_avatar.h"
+#include "tests/unit/format/sample_correctives.h"
 
 namespace {
 
@@ -85,6 +86,21 @@ TEST_F(SubjectTest, anglesByHandTurnAJointOnTopOfTheClip) {
     subject.byHandDeg[0] = Vec3f(0);
     ASSERT_TRUE(subject.pose(0));
     expectNear(jointAt(subject, 1), {0, 1.25f, 0});
+}
+
+TEST_F(SubjectTest, clothesRememberTheClipAsideToo) {
+    AvatarData data = test::withCorrectives(tiny(), 3, {.motion = 2});
+    data.correctives.motion.movedFromRad = 0.01f, data.correctives.motion.movedToRad = 0.02f;
+    ViewedSubject subject = load(data);
+    subject.asideM = -2;
+    ASSERT_TRUE(subject.pose(0.5));
+    const auto remembered = subject.avatar.motionState();
+    std::vector<float> rotations(8), root(3);
+    ASSERT_TRUE(subject.avatar.pose(rotations, root));
+    ASSERT_TRUE(subject.avatar.setPose(rotations, root));
+    const auto forgotten = subject.avatar.motionState();
+    ASSERT_TRUE(remembered && forgotten);
+    EXPECT_NE(*remembered, *forgotten);
 }
 
 TEST_F(SubjectTest, anAvatarWithoutClipsRests) {
