@@ -18,12 +18,10 @@ constexpr double kHasMoved = 0.99;
 const SurfaceFitSettings kFit{.startSmoothingM = 0.12, .endSmoothingM = 0.06, .levels = 4, .roundsPerLevel = 4, .maxOffsetM = 0.06};
 
 Result<std::vector<SurfaceView>> movedViews(const CoOptimiseInput& input) {
+    const MotionModeData& motion = input.correctives.motion;
     std::vector<const TrainFrame*> moved;
-    for (const TrainFrame& frame : input.frames) {
-        if (frame.kind != FrameKind::Dynamic) continue;
-        const MotionModeData& motion = input.correctives.motion;
-        if (stateOf(motion, frame.pose).held[hasMoved(motion)] > kHasMoved) moved.push_back(&frame);
-    }
+    for (const TrainFrame& frame : input.frames)
+        if (frame.kind == FrameKind::Dynamic && stateOf(motion, frame.pose).held[hasMoved(motion)] > kHasMoved) moved.push_back(&frame);
     std::vector<SurfaceView> views;
     if (moved.size() < kLeastViews) return views;
     for (const TrainFrame* frame : evenlySpaced(moved, kMostViews)) {

@@ -157,7 +157,7 @@ uint64_t CoOptimiser::State::fingerprint() const {
         putArray(w, f.pose.localRotations), w.value(f.pose.rootTranslation), w.value(f.pose.before);
         if (f.precision) putArray(w, f.precision->joints), putArray(w, f.precision->matrix);
     }
-    for (const Pose& pose : input.stress) putArray(w, pose.localRotations), w.value(pose.rootTranslation);
+    for (const Pose& pose : input.stress) putArray(w, pose.localRotations), w.value(pose.rootTranslation), w.value(pose.before);
     const std::vector<uint8_t> bytes = w.finish();
     return XXH3_64bits(bytes.data(), bytes.size());
 }

@@ -195,15 +195,13 @@ public:
     Result<DplClipInfo> clip(uint32_t index) const { return filled<DplClipInfo>(dplGetClipInfo, handle_, index); }
     /** rotations: 4 floats (x, y, z, w) per joint, local. rootTranslation: 3 floats, metres, or empty for zero. */
     Status setPose(std::span<const float> rotations, std::span<const float> rootTranslation = {}) {
-        if (rotations.size() % 4 != 0 || (!rootTranslation.empty() && rootTranslation.size() != 3))
-            return Error{DPL_ERROR_INVALID_ARGUMENT, "a pose has 4 floats a joint and a root translation of 3 floats or none"};
+        if (Status fits = checkPoseSizes(rotations.size(), rootTranslation.size()); !fits) return fits;
         return status(dplSetPose(handle_, rotations.data(), uint32_t(rotations.size() / 4),
                                  rootTranslation.empty() ? nullptr : rootTranslation.data()));
     }
     /** The same for a picture that is shown at timeNs, ns of any one clock: clothes then remember. See dplSetPoseAtTime. */
     Status setPose(std::span<const float> rotations, std::span<const float> rootTranslation, int64_t timeNs) {
-        if (rotations.size() % 4 != 0 || (!rootTranslation.empty() && rootTranslation.size() != 3))
-            return Error{DPL_ERROR_INVALID_ARGUMENT, "a pose has 4 floats a joint and a root translation of 3 floats or none"};
+        if (Status fits = checkPoseSizes(rotations.size(), rootTranslation.size()); !fits) return fits;
         return status(dplSetPoseAtTime(handle_, rotations.data(), uint32_t(rotations.size() / 4),
                                        rootTranslation.empty() ? nullptr : rootTranslation.data(), timeNs));
     }
@@ -221,8 +219,7 @@ public:
     Status setMotionState(std::span<const uint8_t> state) { return status(dplSetMotionState(handle_, state.data(), state.size())); }
     /** The current pose: 4 floats a joint, and the root translation. Either may be empty. */
     Status pose(std::span<float> rotations, std::span<float> rootTranslation = {}) const {
-        if (rotations.size() % 4 != 0 || (!rootTranslation.empty() && rootTranslation.size() != 3))
-            return Error{DPL_ERROR_INVALID_ARGUMENT, "a pose has 4 floats a joint and a root translation of 3 floats or none"};
+        if (Status fits = checkPoseSizes(rotations.size(), rootTranslation.size()); !fits) return fits;
         return status(dplGetPose(handle_, rotations.empty() ? nullptr : rotations.data(), uint32_t(rotations.size() / 4),
                                  rootTranslation.empty() ? nullptr : rootTranslation.data()));
     }
@@ -295,6 +292,10 @@ public:
     }
 
 private:
+    static Status checkPoseSizes(size_t rotations, size_t rootTranslation) {
+        if (rotations % 4 == 0 && (rootTranslation == 0 || rootTranslation == 3)) return {};
+        return Error{DPL_ERROR_INVALID_ARGUMENT, "a pose has 4 floats a joint and a root translation of 3 floats or none"};
+    }
     DplContext context_ = nullptr;
     DplAvatar handle_ = nullptr;
 };
