@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // Pose correctives, skinning and binding in double precision.
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <map>
 
 #include "apps/reference/reference_renderer.h"
 
@@ -10,6 +12,8 @@ namespace {
 
 constexpr double kMinAreaM2 = 1e-10, kMaxAspect = 1e4;
 constexpr double kDarkest = 0.2, kBrightest = 3;
+constexpr double kDimmest = 0.3, kFullest = 3;  // irradiance over its mean
+constexpr double kPi = 3.14159265358979323846;
 constexpr double kLeast = 0.5, kLeastGivesWay = 0.25, kMost = 1.7, kMostGivesWay = 0.3;  // singular values of F
 constexpr double kFades = 3, kIsGone = 4, kFadesBelow = 0.25;
 
@@ -184,11 +188,47 @@ std::vector<glm::dvec3> referenceSkin(const AvatarData& avatar, const Pose& pose
     return positions;
 }
 
+/** The irradiance on a unit normal over its mean: real spherical harmonics of degrees 1 and 2. */
+double referenceIrradiance(const LightData& light, const glm::dvec3& n) {
+    const auto& c = light.irradiance;
+    const double linear = std::sqrt(3 / (4 * kPi)), mixed = std::sqrt(15 / (4 * kPi));
+    double e = 1 + linear * (-double(c[0]) * n.y + double(c[1]) * n.z - double(c[2]) * n.x);
+    e += mixed * (double(c[3]) * n.x * n.y - double(c[4]) * n.y * n.z - double(c[6]) * n.x * n.z);
+    e += mixed / std::sqrt(12.0) * double(c[5]) * (3 * n.z * n.z - 1) + mixed / 2 * double(c[7]) * (n.x * n.x - n.y * n.y);
+    return std::clamp(e, kDimmest, kFullest);
+}
+
+/** Brightness of every vertex in the light of the scene. */
+std::vector<double> referenceSceneLight(const AvatarData& avatar, const Pose& pose) {
+    const MeshData& mesh = avatar.mesh;
+    std::map<std::array<float, 3>, glm::dvec3> areas;  // by place
+    const auto placeOf = [&](uint32_t v) { return std::array{mesh.restPositions[v].x, mesh.restPositions[v].y, mesh.restPositions[v].z}; };
+    for (const Triangle& t : mesh.triangles) {
+        const glm::dvec3 a(mesh.restPositions[t.x]), b(mesh.restPositions[t.y]), c(mesh.restPositions[t.z]);
+        for (int k = 0; k < 3; ++k) areas[placeOf(t[k])] += glm::cross(b - a, c - a);
+    }
+    const std::vector<glm::dmat4> joints = referenceJointTransforms(avatar.joints, pose);
+    std::vector<double> light;
+    for (uint32_t v = 0; v < mesh.restPositions.size(); ++v) {
+        const glm::dvec3 area = areas[placeOf(v)], normal = glm::length(area) > 0 ? glm::normalize(area) : glm::dvec3(0, 1, 0);
+        glm::dvec3 turned(0);
+        for (int k = 0; k < 4; ++k)
+            turned += double(mesh.jointWeights[v][k]) / 255.0 * (glm::dmat3(joints[mesh.jointIndices[v][k]]) * normal);
+        light.push_back(referenceIrradiance(avatar.light, glm::normalize(turned)) / referenceIrradiance(avatar.light, normal));
+    }
+    return light;
+}
+
 ReferenceScene sceneOf(const AvatarData& avatar, const Pose& pose) {
     ReferenceScene scene;
     for (const Vec3f& p : avatar.mesh.restPositions) scene.rest.emplace_back(p);
     scene.posed = referenceSkin(avatar, pose);
     if (avatar.correctives.nodeCount) scene.light = referenceCorrection(avatar, pose).light;
+    if (!avatar.light.empty()) {
+        scene.light.resize(scene.rest.size(), 1.0);
+        const std::vector<double> turned = referenceSceneLight(avatar, pose);
+        for (size_t v = 0; v < turned.size(); ++v) scene.light[v] = std::clamp(scene.light[v] * turned[v], kDarkest, kBrightest);
+    }
     scene.triangles = avatar.mesh.triangles;
     scene.shDegree = avatar.splats.shDegree;
     const SplatData& s = avatar.splats;

@@ -66,6 +66,10 @@ bool ReferenceFile::hasPoseCorrectives() const {
     return avatar_ && !avatar_->correctives.empty();
 }
 
+bool ReferenceFile::hasLight() const {
+    return avatar_ && !avatar_->light.empty();
+}
+
 uint32_t ReferenceFile::samples(const Vec3f& rootTranslation, const Cameraf& camera) const {
     Pose pose;
     pose.rootTranslation = rootTranslation;

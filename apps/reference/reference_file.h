@@ -34,6 +34,7 @@ public:
     ReferencePicture draw(std::span<const float> rotations, const Vec3f& rootTranslation, const Cameraf& camera) const;
 
     bool hasPoseCorrectives() const;
+    bool hasLight() const;
     /** Samples per pixel in the picture that draw() returns, 1 or 4. Every renderer takes as many, except on devices that support only one.
      */
     uint32_t samples(const Vec3f& rootTranslation, const Cameraf& camera) const;

@@ -116,6 +116,9 @@ struct ReferenceCorrection {
 };
 ReferenceCorrection referenceCorrection(const AvatarData& avatar, const Pose& pose);
 
+/** Irradiance on a unit normal over its mean, within the bounds of docs/reference/light.md. */
+double referenceIrradiance(const LightData& light, const glm::dvec3& normal);
+
 /** Posed vertices, world: the corrected rest surface, skinned. */
 std::vector<glm::dvec3> referenceSkin(const AvatarData& avatar, const Pose& pose);
 ReferenceScene sceneOf(const AvatarData& avatar, const Pose& pose);

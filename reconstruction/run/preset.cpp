@@ -52,7 +52,7 @@ RunSettings settingsOf(const ReconstructOptions& options, std::span<const ScanLa
     s.checkpointS = options.checkpointS;
     s.layers = !options.without.layers;
     if (options.without.largeSteps) s.training.smoothingLengthM = 0;
-    if (options.without.light) s.training.rateNodeLight = 0;
+    if (options.without.light) s.training.rateNodeLight = 0, s.training.learnLight = false;
     if (options.without.motion) s.training.learnMotion = false;
     if (options.without.gradientControl) s.training.closeupStepScale = 1;
     return s;

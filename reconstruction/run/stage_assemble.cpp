@@ -96,6 +96,7 @@ Result<AssembledAvatar> StageOf<AssembledAvatar>::compute(StageInputs& in) {
     DPL_TRY(avatar.mesh.colours, gatherVertexColours(avatar.joints, avatar.mesh, out.frames, in.jobs()));
     avatar.splats = trained.splats;
     avatar.correctives = trained.correctives;
+    avatar.light = trained.light;
     avatar.clips = scanMotion(table->scan, set.rows, trained.poses);
     sortSplats(avatar);
     DPL_RETURN_IF_ERROR(tuckUnseenBody(out, in.jobs()));

@@ -16,6 +16,7 @@
 #include "reconstruction/run/trained_file.h"
 #include "reconstruction/training/correctives/corrective_model.h"
 #include "reconstruction/training/correctives/motion_model.h"
+#include "reconstruction/training/light/light_model.h"
 #include "reconstruction/training/trainer/train_images.h"
 #include "sdk/avatar/stress_poses.h"
 #include "sdk/core/files.h"
@@ -137,6 +138,13 @@ Status StageOf<Training>::make(StageInputs& in, StageContext& context) {
     DPL_TRY(FrameSet set, registeredFrames(in, Split::Train));
     if (set.frames.empty()) return fail(Code::InvalidArgument, "no usable training frames");
     DPL_TRY(CoOptimiseInput input, trainingInput(*body, *layers, settings->training.learnMotion, table->scan, std::move(set)));
+    if (settings->training.learnLight) {
+        DPL_TRY(const LightFit fit, findLight(input.joints, input.mesh, input.frames, in.jobs()));
+        input.light = fit.light;
+        if (!fit.light.empty())
+            context.progress.detail(formatText("light: brightness of moving surfaces strays by {} % before and {} % after it is known",
+                                               std::round(1e3 * fit.strayBefore) / 10, std::round(1e3 * fit.strayAfter) / 10));
+    }
     DPL_TRY(const MovedStart start, startMovedColumn(input, in.jobs()));
     if (start.views > 0)
         context.progress.detail(formatText("outlines of {} moving pictures: overlap {} before and {} after clothes have moved", start.views,

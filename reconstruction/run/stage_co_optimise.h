@@ -16,9 +16,9 @@ struct Training {
 
 template <>
 struct StageOf<Training> {
-    static constexpr StageName kName{"co-optimise", 20};
-    static constexpr const char* kPriors[] = {"input/cameras",   "input/capture",        "subject/garments",
-                                              "subject/surface", "training/correctives", "training/trainer"};
+    static constexpr StageName kName{"co-optimise", 21};
+    static constexpr const char* kPriors[] = {"input/cameras",        "input/capture",  "subject/garments", "subject/surface",
+                                              "training/correctives", "training/light", "training/trainer"};
     static Status inputs(StageInputs& in);
     static Status make(StageInputs& in, StageContext& context);
     static Result<Training> read(StageInputs& in, const std::filesystem::path& folder);

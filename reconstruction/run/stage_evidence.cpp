@@ -133,17 +133,21 @@ const char* whyNotTrained(AvatarPart part, const RunSettings& settings) {
     if (part == AvatarPart::ViewDependentColour) return "not trained";
     if (part == AvatarPart::CorrectiveLight && settings.training.rateNodeLight == 0) return "not trained: left out by --without light";
     if (part == AvatarPart::MotionModes && !settings.training.learnMotion) return "not trained: left out by --without motion";
+    if (part == AvatarPart::SceneLight)
+        return settings.training.learnLight ? "not found: too few surfaces that are seen both still and moving"
+                                            : "not looked for: left out by --without light";
     if (part == AvatarPart::MotionModes) return "not trained: too few frames that have moved, or no still frames";
     return "not trained: too few moving frames, or all in one pose";
 }
 
 Status weigh(const AssembledAvatar& assembled, const Jury& jury, const RunSettings& settings, Jobs& jobs,
              const std::filesystem::path& folder) {
+    constexpr double kShare = 1.0 / 6;  // of the work: the whole avatar, and one without each part
     const Judge judge(assembled, jury, settings, jobs);
     const AvatarData& avatar = assembled.avatar;
     const RetrainParts trained{.correctiveLight = settings.training.rateNodeLight > 0};
     const auto score = [&](AvatarData judged, const RetrainParts& parts, double from) {
-        const TaskPart part(from, from + 0.2);
+        const TaskPart part(from, from + kShare);
         return judge.score(std::move(judged), parts);
     };
     DPL_TRY(const JuryScore whole, score(avatar, trained, 0));
@@ -152,10 +156,11 @@ Status weigh(const AssembledAvatar& assembled, const Jury& jury, const RunSettin
         {AvatarPart::CorrectiveOffsets, "pose-dependent offsets"},
         {AvatarPart::CorrectiveLight, "pose-dependent light"},
         {AvatarPart::MotionModes, "motion modes: clothes that have moved"},
+        {AvatarPart::SceneLight, "light that stays while the subject turns"},
         {AvatarPart::ViewDependentColour, "view-dependent colour (SH degree " + std::to_string(avatar.splats.shDegree) + ")"}};
     std::vector<PartEvidence> rows;
     for (const auto& [part, name] : kParts) {
-        const double from = 0.2 * double(rows.size() + 1);
+        const double from = kShare * double(rows.size() + 1);
         if (!hasPart(avatar, part)) {
             rows.push_back({part, {name, false, 0, 0, whyNotTrained(part, settings)}});
             continue;

@@ -19,7 +19,7 @@ struct MeasuredParts {
 
 template <>
 struct StageOf<MeasuredParts> {
-    static constexpr StageName kName{"evidence", 14};
+    static constexpr StageName kName{"evidence", 15};
     static constexpr const char* kPriors[] = {"input/cameras",   "input/capture",        "judging/evidence", "subject/garments",
                                               "subject/surface", "training/correctives", "training/trainer"};
     static Status inputs(StageInputs& in);

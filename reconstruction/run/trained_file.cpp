@@ -4,13 +4,14 @@
 #include "reconstruction/training/trainer/corrective_bytes.h"
 #include "sdk/core/arrays.h"
 #include "sdk/core/files.h"
+#include "sdk/format/light.h"
 #include "sdk/math/sh.h"
 
 namespace dpl {
 namespace {
 
 constexpr uint32_t kMagic = 0x4e525444;  // "DTRN"
-constexpr uint32_t kVersion = 5;
+constexpr uint32_t kVersion = 6;
 
 void putPose(Writer& out, const Pose& pose) {
     putArray(out, pose.localRotations);
@@ -31,6 +32,7 @@ Status readBody(Reader& in, CoOptimiseResult& r) {
     DPL_RETURN_IF_ERROR(getArray(in, r.splats.sh));
     DPL_RETURN_IF_ERROR(getArray(in, r.restPositions));
     DPL_RETURN_IF_ERROR(getCorrectives(in, r.correctives));
+    DPL_TRY(r.light.irradiance, in.value<decltype(r.light.irradiance)>());
     DPL_TRY(uint32_t poseCount, in.u32());
     for (uint32_t i = 0; i < poseCount; ++i) {
         Pose pose;
@@ -60,6 +62,7 @@ Status writeTrainedFile(const CoOptimiseResult& r, const std::filesystem::path& 
     putArray(out, r.splats.sh);
     putArray(out, r.restPositions);
     putCorrectives(out, r.correctives);
+    out.value(r.light.irradiance);
     out.value(uint32_t(r.poses.size()));
     for (const Pose& pose : r.poses) putPose(out, pose);
     putArray(out, r.curve);
@@ -83,6 +86,8 @@ Result<CoOptimiseResult> readTrainedFile(const std::filesystem::path& path, size
     if (!whole) return fail(Code::CorruptData, "{}: its arrays do not fit the body; delete it and run again", path.string());
     if (Status fits = checkCorrectives(r.correctives, jointCount, vertexCount); !fits)
         return fail(Code::CorruptData, "{}: {}; delete it and run again", path.string(), fits.error().message);
+    if (Status good = checkLight(r.light); !good)
+        return fail(Code::CorruptData, "{}: {}; delete it and run again", path.string(), good.error().message);
     return r;
 }
 

@@ -1,6 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sdk/avatar/posed_mesh.h"
 
+#include <algorithm>
+
+#include "sdk/avatar/scene_light.h"
+
 namespace dpl {
 
 void PosedMesh::control(const PosedSubject& s, const Pose& pose) {
@@ -20,7 +24,18 @@ void PosedMesh::surface(const PosedSubject& s, Jobs& jobs) {
         spreadCorrectives(s.correctives, nodes_, s.mesh.restPositions, jobs, moved_, light_);
     }
     skin(s.mesh, moved_, worldFromRest_, jobs, positions_);
+    addSceneLight(s, jobs);
     poseTriangles(s.mesh, s.rest, positions_, jobs, frames_, light_);
+}
+
+void PosedMesh::addSceneLight(const PosedSubject& s, Jobs& jobs) {
+    scene_.clear();
+    if (!s.light || s.light->empty()) return;
+    std::span<const Vec3f> normals = s.normals;
+    if (normals.empty()) normals = normals_ = restVertexNormals(s.mesh);
+    lightFactors(s.mesh, *s.light, normals, worldFromRest_, jobs, scene_);
+    if (light_.empty()) light_.assign(scene_.size(), 1.0f);
+    for (size_t v = 0; v < light_.size(); ++v) light_[v] = std::clamp(light_[v] * scene_[v], kMinLight, kMaxLight);
 }
 
 }  // namespace dpl

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // From a pose to posed triangles, shared by the software renderer, the trainer and the exporters:
-//   pose ─► correctives (offsets, light) ─► joint transforms ─► skin ─► triangle frames
+//   pose ─► correctives (offsets, light) ─► joint transforms ─► skin ─► light of the scene ─► triangle frames
 #pragma once
 
 #include <vector>
@@ -15,6 +15,8 @@ struct PosedSubject {
     const MeshData& mesh;
     const PoseCorrectiveData& correctives;
     TrianglesAtRest rest;
+    const LightData* light = nullptr;     // null: none
+    std::span<const Vec3f> normals = {};  // V, of RestNormals; empty: computed in each pose that needs them, which costs time
 };
 
 /** A mesh in a pose. It keeps its buffers, so posing again allocates nothing. One thread at a time. */
@@ -31,15 +33,18 @@ public:
     std::span<const TriangleFrame<float>> frames() const { return frames_; }
     std::span<const Vec3f> positions() const { return positions_; }            // V, world
     std::span<const Vec3f> rest() const { return moved_; }                     // V, rest positions with correctives, before skinning
-    std::span<const float> light() const { return light_; }                    // V brightness factors; empty without correctives
+    std::span<const float> light() const { return light_; }                    // V brightness factors; empty: 1
+    std::span<const float> sceneLight() const { return scene_; }               // V, their part of the light of the scene; empty: 1
     std::span<const Mat3x4f> worldFromRest() const { return worldFromRest_; }  // one per joint
     std::span<const float> coefficients() const { return coefficients_; }      // K + K', of the correctives
     std::span<const Vec4f> nodes() const { return nodes_; }                    // M, of the correctives
 
 private:
-    std::vector<float> coefficients_, light_;
+    void addSceneLight(const PosedSubject& subject, Jobs& jobs);
+
+    std::vector<float> coefficients_, light_, scene_;
     std::vector<Vec4f> nodes_;
-    std::vector<Vec3f> moved_, positions_;
+    std::vector<Vec3f> moved_, positions_, normals_;
     std::vector<Mat3x4f> worldFromRest_;
     std::vector<TriangleFrame<float>> frames_;
 };

@@ -6,6 +6,7 @@
 #include "sdk/avatar/rig.h"
 #include "sdk/format/check_mesh.h"
 #include "sdk/format/correctives.h"
+#include "sdk/format/light.h"
 #include "sdk/math/sh.h"
 
 namespace dpl {
@@ -26,6 +27,7 @@ Status checkAvatarPosable(const AvatarData& avatar) {
                     kMaxJoints);
     DPL_RETURN_IF_ERROR(asArgument(avatar, checkRig(avatar.joints)));
     DPL_RETURN_IF_ERROR(asArgument(avatar, checkMesh(avatar.mesh, avatar.joints.size())));
+    DPL_RETURN_IF_ERROR(asArgument(avatar, checkLight(avatar.light)));
     return asArgument(avatar, checkCorrectives(avatar.correctives, avatar.joints.size(), avatar.mesh.restPositions.size()));
 }
 

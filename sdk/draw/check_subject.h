@@ -8,7 +8,7 @@
 
 namespace dpl {
 
-/** Checks rig, mesh and pose correctives of an avatar, but not its splats. InvalidArgument names what does not fit. */
+/** Checks rig, mesh, pose correctives and light of an avatar, but not its splats. InvalidArgument names what does not fit. */
 Status checkAvatarPosable(const AvatarData& avatar);
 
 /** Checks avatar.splats: arrays of one length, and a triangleStart that covers triangles and splats. InvalidArgument; Unsupported for an SH

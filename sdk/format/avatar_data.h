@@ -2,6 +2,7 @@
 // An avatar as plain arrays: the decoded content of a file, and the input of the writer. No behaviour.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -115,6 +116,17 @@ struct PoseCorrectiveData {
     uint32_t columnCount() const { return modeCount + motion.columnCount(); }  // values of a node
 };
 
+constexpr size_t kIrradianceCoefficients = 8;
+
+/** Light that stays in the world while the subject turns (docs/reference/light.md): how the irradiance of the scan differs from its mean.
+ *
+ *      E(n) = clamp(1 + Σ_i irradiance_i Y_i(n), kMinIrradiance, kMaxIrradiance)       L_v = E(posed normal) / E(normal at rest) */
+struct LightData {
+    std::array<float, kIrradianceCoefficients> irradiance{};  // coefficients 1 to 8 in the order and signs of sdk/math/sh.h
+
+    bool empty() const { return irradiance == std::array<float, kIrradianceCoefficients>{}; }
+};
+
 /** One table row of the evidence: an optional part of the avatar, whether it was kept, and why. */
 struct EvidenceData {
     std::string part;  // "sh degree 2", "pose-dependent offsets" ...
@@ -160,6 +172,7 @@ struct AvatarData {
     MeshData mesh;
     SplatData splats;
     PoseCorrectiveData correctives;
+    LightData light;
     std::vector<ClipData> clips;
     std::vector<EvidenceData> evidence;
     float kappaPx2 = float(kKappaPx2);

@@ -65,6 +65,7 @@ struct AvatarInfo {
     bool hashMatches = false;
     uint32_t vertices = 0, triangles = 0, joints = 0, layers = 0, splats = 0, chunks = 0, clips = 0, shDegree = 0;
     uint32_t correctiveModes = 0, motionModes = 0, correctiveNodes = 0;
+    bool light = false;          // of the scene
     float trainedPixelM = 0;     // as in AvatarData
     uint32_t shPaletteSize = 0;  // 0: every splat has its own SH
     uint32_t splatEncoding = 0;

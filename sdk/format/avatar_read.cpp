@@ -13,6 +13,7 @@
 #include "sdk/format/correctives_compact.h"
 #include "sdk/format/extension_fields.h"
 #include "sdk/format/gltf_model.h"
+#include "sdk/format/light.h"
 #include "sdk/format/motion_modes.h"
 #include "sdk/format/splat_codec.h"
 #include "sdk/format/vertex_colour.h"
@@ -374,6 +375,21 @@ struct AvatarReader {
         return {};
     }
 
+    Status readLight() {
+        const Fields root(extension, "DPL_gaussian_avatar");
+        if (!root.has("light")) return {};
+        if (info.version < 3) return fail(Code::CorruptData, "light in a file of version {}, which has none", info.version);
+        DPL_TRY(const Json* object, root.object("light"));
+        const Fields fields(*object, "light");
+        DPL_TRY(const uint64_t encoding, fields.number("encoding", 0xffffffffu));
+        if (encoding != 1) return fail(Code::Version, "light encoding {}; this build reads 1: update Doppel or export again", encoding);
+        DPL_TRY(const std::vector<float> irradiance, fields.reals("irradiance", kIrradianceCoefficients));
+        if (irradiance.size() != kIrradianceCoefficients)
+            return fail(Code::CorruptData, "light with {} coefficients, not {}", irradiance.size(), kIrradianceCoefficients);
+        std::copy(irradiance.begin(), irradiance.end(), avatar.light.irradiance.begin());
+        return checkLight(avatar.light);
+    }
+
     /** The map changes no picture. So a map of a newer encoding is left out, and the avatar is read. */
     Status readCaptureMap() {
         const Fields root(extension, "DPL_gaussian_avatar");
@@ -410,6 +426,7 @@ struct AvatarReader {
         DPL_RETURN_IF_ERROR(readSplats());
         DPL_RETURN_IF_ERROR(taskAt(0.9));
         DPL_RETURN_IF_ERROR(readCorrectives());
+        DPL_RETURN_IF_ERROR(readLight());
         DPL_RETURN_IF_ERROR(readCaptureMap());
         // The reader accepts exactly what the writer may write.
         if (Status valid = checkAvatarWithoutSplats(avatar); !valid)
@@ -433,7 +450,7 @@ struct AvatarReader {
             info.layerList.push_back(std::move(entry));
         }
         info.correctiveModes = avatar.correctives.modeCount, info.motionModes = avatar.correctives.motion.columnCount();
-        info.correctiveNodes = avatar.correctives.nodeCount;
+        info.correctiveNodes = avatar.correctives.nodeCount, info.light = !avatar.light.empty();
         const uint64_t known = info.meshBytes + info.splatBytes + info.shBytes + info.correctiveBytes + info.captureMapBytes +
                                info.clipBytes + info.skinBytes + info.jsonBytes;
         info.otherBytes = info.fileBytes - std::min(known, info.fileBytes);

@@ -28,7 +28,8 @@ Json motionModes(GlbBuilder& glb, const MotionModeData& m) {
 
 /** The lowest version that can hold the avatar. Readers of a lower one would ignore a part and draw a wrong surface. */
 uint32_t versionOf(const AvatarData& a) {
-    return a.correctives.empty() ? 1 : a.correctives.motion.empty() ? 2 : 3;
+    if (!a.light.empty() || !a.correctives.motion.empty()) return 3;
+    return a.correctives.empty() ? 1 : 2;
 }
 
 Json poseCorrectives(GlbBuilder& glb, const PoseCorrectiveData& c, bool compact) {
@@ -101,6 +102,7 @@ Json avatarExtension(GlbBuilder& glb, const AvatarData& a, const CodedSplats& co
 
     ours["splats"] = splatsOf(glb, a, coded, compact);
     if (!a.correctives.empty()) ours["poseCorrectives"] = poseCorrectives(glb, a.correctives, compact);
+    if (!a.light.empty()) ours["light"] = {{"encoding", 1}, {"irradiance", a.light.irradiance}};
     if (!a.captureMap.empty())
         ours["captureMap"] = {{"encoding", 1}, {"streams", {{"sides", glb.addView(encodeCaptureMap(a.captureMap))}}}};
     return ours;

@@ -40,8 +40,9 @@ struct Formulas {
 #include "sdk/math/formulas/footprint.inl"
 #include "sdk/math/formulas/pose.inl"
 #include "sdk/math/formulas/sh.inl"
-// cull.inl needs footprint.inl
+// These need files above.
 #include "sdk/math/formulas/cull.inl"
+#include "sdk/math/formulas/light.inl"
 #undef DPL_FN
 };
 

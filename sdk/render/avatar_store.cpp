@@ -58,6 +58,7 @@ SubjectIds countsOf(const AvatarData& avatar, const CodedSplats& splats) {
     ids.triangleCount = uint32_t(avatar.mesh.triangles.size());
     ids.jointCount = uint32_t(avatar.joints.size());
     ids.corrected = !avatar.correctives.empty();
+    ids.firstLight = firstLightRow(avatar);
     ids.splatCount = splats.count();
     ids.shDegree = splats.shDegree;
     ids.groupCount = 2 * uint32_t(splats.chunks.size());

@@ -10,6 +10,7 @@
 #include <glm/gtc/packing.hpp>
 
 #include "sdk/avatar/pose_correctives.h"
+#include "sdk/avatar/scene_light.h"
 #include "sdk/core/task.h"
 #include "sdk/draw/check_subject.h"
 #include "sdk/math/binding.h"
@@ -29,6 +30,16 @@ static_assert(sizeof(SplatChunk) == gpu::kChunkWords * 4 && offsetof(SplatChunk,
 static_assert(kSplatChunkSize == 2 * gpu::kSplatGroup);
 static_assert(gpu::kSplatGroup == kSplatGroupSize && sizeof(SplatGroup) == 12);
 static_assert(gpu::kGpuMinLight == kMinLight && gpu::kGpuMaxLight == kMaxLight);
+
+constexpr size_t kLightRows = 2;
+
+/** The inverse of fromOctahedron() (sdk/math/formulas/light.inl), as snorm16 x 2. */
+uint32_t packedNormal(const Vec3f& n) {
+    const float sum = std::abs(n.x) + std::abs(n.y) + std::abs(n.z);
+    Vec2f e(n.x / sum, n.y / sum);
+    if (n.z < 0) e = (1.0f - glm::abs(Vec2f(e.y, e.x))) * Vec2f(e.x < 0 ? -1 : 1, e.y < 0 ? -1 : 1);
+    return glm::packSnorm2x16(e);
+}
 
 Status checkBinding(const char* what, uint64_t count, uint64_t each, const DeviceInfo& device, const char* remedy) {
     if (count * each <= device.maxBindingBytes) return {};
@@ -153,6 +164,11 @@ AvatarRecords packAvatar(const AvatarData& avatar, const CodedSplats& splats) {
     const std::vector<TriangleReach> reach = reachOfTriangles(splats, avatar.mesh.triangles.size());
     out.components = Components(avatar, components, reach);
     const MeshData& mesh = avatar.mesh;
+    std::vector<uint32_t> normals(mesh.restPositions.size(), 0);
+    if (!avatar.light.empty()) {
+        const std::vector<Vec3f> atRest = restVertexNormals(mesh);
+        std::transform(atRest.begin(), atRest.end(), normals.begin(), packedNormal);
+    }
     const auto pair = [](uint32_t low, uint32_t high) { return low | high << 16; };
     const auto bytes = [](const glm::u8vec4& w) { return uint32_t(w.x) | uint32_t(w.y) << 8 | uint32_t(w.z) << 16 | uint32_t(w.w) << 24; };
     for (size_t i = 0; i < mesh.restPositions.size(); ++i) {
@@ -162,11 +178,11 @@ AvatarRecords packAvatar(const AvatarData& avatar, const CodedSplats& splats) {
         for (int k = 0; k < 4; ++k)
             if (w[k] == 0) j[k] = 0;  // the kernel reads all four joints, and one of weight 0 may have any index
         if (avatar.correctives.empty()) {
-            out.vertices.push_back({p.x, p.y, p.z, pair(j.x, j.y), pair(j.z, j.w), bytes(w), components.ofVertex[i], 0});
+            out.vertices.push_back({p.x, p.y, p.z, pair(j.x, j.y), pair(j.z, j.w), bytes(w), components.ofVertex[i], normals[i]});
         } else {
             const auto& n = avatar.correctives.nodeIndices[i];
             out.correctedVertices.push_back({p.x, p.y, p.z, pair(j.x, j.y), pair(j.z, j.w), bytes(w), pair(n.x, n.y), pair(n.z, n.w),
-                                             bytes(avatar.correctives.nodeWeights[i]), components.ofVertex[i], 0, 0});
+                                             bytes(avatar.correctives.nodeWeights[i]), components.ofVertex[i], normals[i], 0});
         }
     }
     constexpr float kAnywhere = 1e15f;  // never out of view; its products stay finite
@@ -211,14 +227,21 @@ AvatarRecords packAvatar(const AvatarData& avatar, const CodedSplats& splats) {
 }
 
 size_t paletteSize(const AvatarData& avatar) {
-    return avatar.joints.size() * 3 + avatar.correctives.nodeCount;
+    return avatar.joints.size() * 3 + avatar.correctives.nodeCount + (avatar.light.empty() ? 0 : kLightRows);
 }
 
-void packPalette(std::span<const Mat3x4f> worldFromRest, std::span<const Vec4f> nodes, std::span<gpu::vec4> out) {
+uint32_t firstLightRow(const AvatarData& avatar) {
+    return avatar.light.empty() ? 0 : uint32_t(paletteSize(avatar) - kLightRows);
+}
+
+void packPalette(std::span<const Mat3x4f> worldFromRest, std::span<const Vec4f> nodes, const LightData& light, std::span<gpu::vec4> out) {
     auto row = out.begin();
     for (const Mat3x4f& m : worldFromRest)
         for (int r = 0; r < 3; ++r) *row++ = {m[0][r], m[1][r], m[2][r], m[3][r]};
     for (const Vec4f& n : nodes) *row++ = {n.x, n.y, n.z, n.w};
+    if (light.empty()) return;
+    const auto& c = light.irradiance;
+    *row++ = {c[0], c[1], c[2], c[3]}, *row++ = {c[4], c[5], c[6], c[7]};
 }
 
 SplatSet splatSetOf(const AvatarData& avatar, const CodedSplats& splats) {

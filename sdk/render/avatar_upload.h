@@ -43,9 +43,12 @@ std::vector<gpu::uvec4> packSplats(const StaticSplatData& splats, std::span<cons
 /** The SH coefficients as halves, padded to whole uvec4s for each splat. Values beyond the range of a half are clamped to it. */
 std::vector<gpu::uvec4> packSh(const StaticSplatData& splats, std::span<const uint32_t> order);
 
-/** The palette of a pose: three rows a joint, then the control nodes. `out` has paletteSize entries; it may be mapped memory. */
+/** The palette of a pose: three rows a joint, then the control nodes, then the coefficients of the light. `out` has paletteSize entries; it
+ *  may be mapped memory. */
 size_t paletteSize(const AvatarData& avatar);
-void packPalette(std::span<const Mat3x4f> worldFromRest, std::span<const Vec4f> nodes, std::span<gpu::vec4> out);
+/** Where the coefficients of the light stand in it; 0 without light. */
+uint32_t firstLightRow(const AvatarData& avatar);
+void packPalette(std::span<const Mat3x4f> worldFromRest, std::span<const Vec4f> nodes, const LightData& light, std::span<gpu::vec4> out);
 
 /** Properties of a splat set that a frame needs. */
 struct SplatSet {

@@ -14,6 +14,7 @@ struct SubjectIds {
     // Set when it is loaded.
     uint32_t vertexCount = 0, triangleCount = 0, splatCount = 0, shDegree = 0;
     uint32_t jointCount = 0;
+    uint32_t firstLight = 0;  // in the palette; 0: no light of the scene
     uint32_t groupCount = 0;  // of splats
     gpu::CodesPush codes{};   // where its streams begin; codesPush() adds its place in the frame
     bool corrected = false;   // has pose correctives: other vertex records, control nodes after the joints in the palette

@@ -190,7 +190,7 @@ void GpuRenderer::fillSlot(FrameSlot& slot, const SceneSet& set, const DrawCall&
         slot.last.componentsInView += subject.components.count() - uint32_t(std::popcount(unseen));
         if (unseen != 0 && unseen == subject.components.all()) unseen = ~0u;  // vertices of no component count as unseen too
         if (subject.avatar)
-            packPalette(pose.worldFromRest, pose.nodes,
+            packPalette(pose.worldFromRest, pose.nodes, subject.avatar->light,
                         {reinterpret_cast<gpu::vec4*>(backend_->mapped(upload.palette).data()), subject.paletteSize});
         gpu::FrameData block = packFrame(subject.splats, call.views.of(shape.eye), shape.samples, pose.detail, pose.largestGrowth, unseen);
         block.splatCount = set.ids.allSplats;

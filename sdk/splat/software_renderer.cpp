@@ -8,6 +8,7 @@
 #include <map>
 
 #include "sdk/avatar/posed_mesh.h"
+#include "sdk/avatar/scene_light.h"
 #include "sdk/core/task.h"
 #include "sdk/draw/check_draw.h"
 #include "sdk/draw/check_subject.h"
@@ -41,6 +42,7 @@ struct Drawable final : PreparedSubject {
 
     // An avatar; null: general splats.
     std::shared_ptr<const AvatarData> avatar;
+    std::vector<Vec3f> normals;  // at rest; empty without light
     CodedSplats splats;
     float trainedPixelM = 0;
     Components components;
@@ -56,9 +58,10 @@ struct Drawable final : PreparedSubject {
         uint64_t pictureBytes = 0;
         for (const RenderedView& p : pictures)
             pictureBytes += p.rgba.capacity() + (p.depthM.capacity() + p.meshDepthM.capacity()) * sizeof(float);
-        return pictureBytes + general.bytes() + splats.bytes() + (avatar ? posingBytes(*avatar) : 0) + mesh.frames().size_bytes() +
-               mesh.positions().size_bytes() + mesh.rest().size_bytes() + mesh.light().size_bytes() + mesh.worldFromRest().size_bytes() +
-               mesh.coefficients().size_bytes() + mesh.nodes().size_bytes();
+        return pictureBytes + general.bytes() + splats.bytes() + (avatar ? posingBytes(*avatar) : 0) + normals.size() * sizeof(Vec3f) +
+               mesh.frames().size_bytes() + mesh.positions().size_bytes() + mesh.rest().size_bytes() + mesh.light().size_bytes() +
+               mesh.sceneLight().size_bytes() + mesh.worldFromRest().size_bytes() + mesh.coefficients().size_bytes() +
+               mesh.nodes().size_bytes();
     }
 };
 
@@ -87,6 +90,7 @@ public:
         drawable->components =
             Components(*avatar, componentsOf(*avatar), reachOfTriangles(drawable->splats, avatar->mesh.triangles.size()));
         drawable->kappaPx2 = avatar->kappaPx2, drawable->compensated = avatar->compensated, drawable->trainedPixelM = avatar->trainedPixelM;
+        if (!avatar->light.empty()) drawable->normals = restVertexNormals(avatar->mesh);
         drawable->avatar = std::move(avatar);
         return std::unique_ptr<PreparedSubject>(std::move(drawable));
     }
@@ -203,7 +207,9 @@ private:
         d.posed = true;
     }
 
-    static PosedSubject posedSubject(const Drawable& d) { return {d.avatar->joints, d.avatar->mesh, d.avatar->correctives, {}}; }
+    static PosedSubject posedSubject(const Drawable& d) {
+        return {d.avatar->joints, d.avatar->mesh, d.avatar->correctives, {}, &d.avatar->light, d.normals};
+    }
 
     /** Poses the surface of each avatar of together_ that some view may show, and sets `seen` of all. */
     void leaveOutUnseen(std::span<const Cameraf> views) {

@@ -59,7 +59,7 @@ struct VertexRecord {  // constant, one for each vertex
     uint joints23;
     uint weights;     // 4 x unorm8, sum 255
     uint components;  // bits of the components that use the vertex
-    uint pad0;
+    uint normal;      // at rest: point of the unfolded octahedron, snorm16 x 2; read where the light of the scene is known
 };
 DPL_CONST uint kVertexFours = 2u;
 DPL_SHARED_SIZE(VertexRecord, 16 * kVertexFours)
@@ -73,7 +73,8 @@ struct CorrectedVertexRecord {  // replaces VertexRecord in avatars with pose co
     uint nodes23;
     uint nodeWeights;  // 4 x unorm8, sum 255
     uint components;   // bits of the components that use the vertex
-    uint pad0, pad1;
+    uint normal;       // as in VertexRecord
+    uint pad0;
 };
 DPL_CONST uint kCorrectedVertexFours = 3u;
 DPL_SHARED_SIZE(CorrectedVertexRecord, 16 * kCorrectedVertexFours)
@@ -218,7 +219,8 @@ struct RowScanPush {
 // of groups and splats of the subjects before it.
 struct VertexPush {
     uint vertexCount;
-    uint firstNode;  // in the palette: the control nodes follow the rows of the joints
+    uint firstNode;   // in the palette: the control nodes follow the rows of the joints
+    uint firstLight;  // in the palette: two rows of coefficients of the irradiance follow the nodes; 0: none
     uint drawn;
 };
 struct TrianglePush {

@@ -159,6 +159,10 @@ std::vector<ConformanceCase> conformanceCases() {
         randomPose(randomAvatar(5, 8, 4, 3), 7), {lookAt({0.9f, 1.6f, 1.3f}, {0, 1, 0}, 140, 120, 130)});
     add("pose-correctives", "offsets and light that follow the pose", test::withCorrectives(randomAvatar(11, 8, 4, 1), 11),
         randomPose(randomAvatar(11, 8, 4, 1), 3), {lookAt({-0.6f, 1.2f, 1.6f}, {0, 1, 0}, 140, 120, 130)});
+    AvatarData lit = randomAvatar(13, 8, 4, 1);
+    lit.light.irradiance = {-0.6f, 0.3f, -0.5f, 0.1f, -0.15f, -0.2f, 0.1f, 0.05f};
+    add("scene-light", "light that stays in the world while the surface turns", std::move(lit), randomPose(randomAvatar(13, 8, 4, 1), 5),
+        {lookAt({0.7f, 1.3f, -1.5f}, {0, 1, 0}, 140, 120, 130)});
     add("off-axis", "a principal point outside the middle and two focal lengths", randomAvatar(61, 8, 4),
         randomPose(randomAvatar(61, 8, 4), 2), [] {
             Cameraf camera = lookAt({0.5f, 1.2f, 1.6f}, {0, 1, 0}, 150, 130, 140);

@@ -40,6 +40,7 @@ int main(int argc, char** argv) {
     ok &= save(folder / "correctives.glb", dpl::writeAvatar(dpl::test::tinyCorrectedAvatar()));
     ok &= save(folder / "correctives_plain.glb", dpl::writeAvatar(dpl::test::tinyCorrectedAvatar(), {.draco = false}));
     ok &= save(folder / "motion.glb", dpl::writeAvatar(dpl::test::tinyMovingAvatar()));
+    ok &= save(folder / "light.glb", dpl::writeAvatar(dpl::test::tinyLitAvatar()));
     ok &= save(folder / "motion_plain.glb", dpl::writeAvatar(dpl::test::tinyMovingAvatar(), {.draco = false, .compact = true}));
     dpl::AvatarData mapped = dpl::test::tinyAvatar();
     mapped.captureMap = dpl::test::sampleCaptureMap(mapped.joints.size());

@@ -124,7 +124,7 @@ MslFrame runFrame(const AvatarData& avatar, const Pose& pose, std::span<const Ca
     void* vertices = corrected ? static_cast<void*>(records.correctedVertices.data()) : records.vertices.data();
     run(corrected ? msl_skin_corrected : msl_skin, groupsFor(posed.size(), gpu::kVertexGroup), order,
         {&frame, palette.data(), vertices, posed.data(), &out.counts},
-        gpu::VertexPush{uint32_t(posed.size()), uint32_t(3 * avatar.joints.size()), 0});
+        gpu::VertexPush{uint32_t(posed.size()), uint32_t(3 * avatar.joints.size()), firstLightRow(avatar), 0});
     run(msl_triangles_stereo, groupsFor(frames.size(), gpu::kVertexGroup), order,
         {&frame, records.triangles.data(), posed.data(), frames.data(), &out.counts}, gpu::TrianglePush{uint32_t(frames.size())});
     gpu::CodesPush push = records.where;

@@ -137,6 +137,18 @@ TEST(MetalFrame, kernelsMoveAndLightAnAvatarWithCorrectives) {
     expectKernelsMatchTheReference(corrected);
 }
 
+TEST(MetalFrame, kernelsLightAnAvatarWithoutCorrectives) {
+    const AvatarData plain = makeTube({.splatsPerTriangle = 4, .shDegree = 3});
+    AvatarData lit = plain;
+    lit.light.irradiance = {-0.6f, 0.6f, -1.0f, 0.1f, -0.15f, -0.2f, 0.1f, 0.05f};
+    const ReferenceCamera camera = referenceCamera(tubeCamera(96, 96, 0.6f));
+    EXPECT_LT(
+        compareImages(renderReference(plain, tubePose(0.9f, 0.4f), camera).rgb, renderReference(lit, tubePose(0.9f, 0.4f), camera).rgb)
+            .psnrDb,
+        35);
+    expectKernelsMatchTheReference(lit);
+}
+
 TEST(MetalFrame, kernelsAtALevelOfDetailMatchTheReference) {
     const AvatarData avatar = codedOnce(makeTube({.splatsPerTriangle = 16, .shDegree = 3}));
     CodedSplats coded = *codeSplats(avatar.mesh, avatar.splats);

@@ -18,7 +18,7 @@ namespace dpl {
 namespace {
 
 TEST(MetalKernels, correctedVerticesAreTheRefereesToAThousandthOfTheirRange) {
-    expectCorrectivesMatch("Metal", [](const AvatarData& avatar, const Pose& pose, bool skinned) {
+    const auto verticesOf = [](const AvatarData& avatar, const Pose& pose, bool skinned) {
         const CodedSplats coded = *codeSplats(avatar.mesh, avatar.splats);
         AvatarRecords records = packAvatar(avatar, coded);
         const Cameraf camera = tubeCamera(16, 16, 0);
@@ -28,9 +28,11 @@ TEST(MetalKernels, correctedVerticesAreTheRefereesToAThousandthOfTheirRange) {
         std::vector<Vec4f> posed(avatar.mesh.restPositions.size());
         run(msl_skin_corrected, groupsFor(posed.size(), gpu::kVertexGroup), 0,
             {&frame, palette.data(), records.correctedVertices.data(), posed.data(), &counts},
-            gpu::VertexPush{uint32_t(posed.size()), uint32_t(3 * avatar.joints.size()), 0});
+            gpu::VertexPush{uint32_t(posed.size()), uint32_t(3 * avatar.joints.size()), firstLightRow(avatar), 0});
         return posed;
-    });
+    };
+    expectCorrectivesMatch("Metal", verticesOf);
+    expectSceneLightMatches("Metal", verticesOf);
 }
 
 TEST(MetalKernels, meshDepthMatchesTheReference) {
@@ -41,7 +43,7 @@ TEST(MetalKernels, meshDepthMatchesTheReference) {
     AvatarRecords records = packAvatar(avatar, *codeSplats(avatar.mesh, avatar.splats));
     std::vector<gpu::vec4> palette(paletteSize(avatar));
     std::vector<gpu::PosedVertex> posed(avatar.mesh.restPositions.size());
-    packPalette(joints, {}, palette);
+    packPalette(joints, {}, {}, palette);
     for (const float distanceM : {1.6f, 0.2f}) {  // small triangles, and triangles so large that all lanes of a threadgroup share one
         const Cameraf views[2] = {tubeCamera(80, 70, 0.6f, distanceM, -0.03f), tubeCamera(80, 70, 0.6f, distanceM, 0.03f)};
         gpu::FrameData frame = packFrame(splatSetOf(avatar, *codeSplats(avatar.mesh, avatar.splats)), views);
@@ -50,7 +52,7 @@ TEST(MetalKernels, meshDepthMatchesTheReference) {
             gpu::FrameCounts counts{};
             run(msl_skin, groupsFor(posed.size(), gpu::kVertexGroup), order,
                 {&frame, palette.data(), records.vertices.data(), posed.data(), &counts},
-                gpu::VertexPush{uint32_t(posed.size()), uint32_t(3 * avatar.joints.size()), 0});
+                gpu::VertexPush{uint32_t(posed.size()), uint32_t(3 * avatar.joints.size()), 0, 0});
             std::vector<uint32_t> bits(2 * 80 * 70, std::bit_cast<uint32_t>(INFINITY));
             const uint32_t triangles = uint32_t(avatar.mesh.triangles.size());
             run(msl_mesh_depth, groupsFor(triangles, gpu::kVertexGroup), order,

@@ -12,6 +12,7 @@
 
 #include "apps/reference/reference_renderer.h"
 #include "sdk/avatar/rig.h"
+#include "sdk/avatar/scene_light.h"
 #include "sdk/format/correctives.h"
 #include "tests/reference/random_avatar.h"
 #include "tests/unit/format/sample_correctives.h"
@@ -19,6 +20,7 @@
 namespace dpl {
 
 constexpr double kCorrectiveBar = 1e-3;  // required: share of the range
+constexpr double kSceneLightBar = 2e-3;  // half a level of white
 // Twice what was measured: an error of 7.5e-5 of the range on every renderer, mostly from the 16-bit node values; and 0.3 µm on the GPU
 // from float positions a metre from the origin.
 constexpr double kCorrectiveShare = 1.5e-4, kPlaceRoundingM = 6e-7;
@@ -216,6 +218,39 @@ inline void expectCorrectivesMatch(const char* renderer, const CorrectedVertices
     EXPECT_LT(worstPosed, 5e-6) << "metres; roots stand some metres from the origin; measured 1.8e-6";
     std::printf("%-9s largest error of the offsets %.1e of their range, of the brightness %.1e; of posed places %.1e m\n", renderer,
                 worstOffset, worstLight, worstPosed);
+}
+
+/** Light of the scene for every renderer: the brightness of each vertex matches the referee's, correctives included, where irradiance is
+ *  within its bounds, at them, and where the brightness is clamped. */
+inline void expectSceneLightMatches(const char* renderer, const CorrectedVertices& verticesOf) {
+    double worst = 0, lowest = 10, highest = 0;
+    uint32_t atBounds = 0, clamped = 0;
+    for (uint32_t seed = 70; seed < 74; ++seed) {
+        AvatarData avatar = test::withCorrectives(riggedBlob(seed, 9), seed);
+        std::mt19937 random(seed);
+        std::normal_distribution<float> normal(0, seed == 73 ? 2.0f : 0.35f);
+        for (float& c : avatar.light.irradiance) c = std::clamp(normal(random), -4.0f, 4.0f);
+        for (const Vec3f& n : restVertexNormals(avatar.mesh)) {
+            const double e = referenceIrradiance(avatar.light, glm::normalize(glm::dvec3(n)));
+            atBounds += e == 0.3 || e == 3.0;
+        }
+        for (const Pose& pose : correctivePoses(9, seed)) {
+            const ReferenceScene want = sceneOf(avatar, pose);
+            const std::vector<Vec4f> have = verticesOf(avatar, pose, true);
+            ASSERT_EQ(have.size(), want.light.size());
+            for (size_t v = 0; v < have.size(); ++v) {
+                worst = std::max(worst, std::abs(double(have[v].w) - want.light[v]));
+                lowest = std::min(lowest, want.light[v]), highest = std::max(highest, want.light[v]);
+                clamped += want.light[v] == 0.2 || want.light[v] == 3.0;
+            }
+        }
+    }
+    std::printf("%-9s light of the scene: largest error %.1e, brightness from %.2f to %.2f\n", renderer, worst, lowest, highest);
+    EXPECT_GT(atBounds, 0u);
+    EXPECT_GT(clamped, 0u);
+    EXPECT_LT(lowest, 0.6);
+    EXPECT_GT(highest, 1.5);
+    EXPECT_LT(worst, kSceneLightBar);
 }
 
 }  // namespace dpl

@@ -6,15 +6,21 @@
 namespace dpl {
 namespace {
 
-TEST(Correctives, cpuVerticesAreTheRefereesToAThousandthOfTheirRange) {
+std::vector<Vec4f> posedOnCpu(const AvatarData& avatar, const Pose& pose, bool skinned) {
     Jobs jobs(2);
     PosedMesh mesh;
-    expectCorrectivesMatch("CPU", [&](const AvatarData& avatar, const Pose& pose, bool skinned) {
-        mesh.pose({avatar.joints, avatar.mesh, avatar.correctives, {}}, pose, jobs);
-        std::vector<Vec4f> out;
-        for (size_t v = 0; v < mesh.light().size(); ++v) out.emplace_back(skinned ? mesh.positions()[v] : mesh.rest()[v], mesh.light()[v]);
-        return out;
-    });
+    mesh.pose({avatar.joints, avatar.mesh, avatar.correctives, {}, &avatar.light}, pose, jobs);
+    std::vector<Vec4f> out;
+    for (size_t v = 0; v < mesh.light().size(); ++v) out.emplace_back(skinned ? mesh.positions()[v] : mesh.rest()[v], mesh.light()[v]);
+    return out;
+}
+
+TEST(Correctives, cpuVerticesAreTheRefereesToAThousandthOfTheirRange) {
+    expectCorrectivesMatch("CPU", posedOnCpu);
+}
+
+TEST(SceneLight, cpuBrightnessIsTheReferees) {
+    expectSceneLightMatches("CPU", posedOnCpu);
 }
 
 }  // namespace

@@ -30,7 +30,7 @@ TEST(SoftwareVsReference, randomAvatarsPosesAndViews) {
 SplatImage drawPosed(const AvatarData& avatar, const Pose& pose, const Cameraf& camera, PosedMesh& mesh) {
     Jobs jobs(2);
     const std::vector<RestTriangle<float>> bind = restTriangles(avatar.mesh);
-    mesh.pose({avatar.joints, avatar.mesh, avatar.correctives, bind}, pose, jobs);
+    mesh.pose({avatar.joints, avatar.mesh, avatar.correctives, {bind}, &avatar.light}, pose, jobs);
     SplatEngine engine(jobs);
     const EngineInput splats(sceneOf(avatar, pose));
     SplatImage image;

@@ -12,13 +12,14 @@
 namespace dpl {
 namespace {
 
-constexpr std::array<const char*, 4> kPartNames{"corrective-offsets", "corrective-light", "motion", "view-dependent-colour"};
+constexpr std::array<const char*, 5> kPartNames{"corrective-offsets", "corrective-light", "motion", "scene-light", "view-dependent-colour"};
 
 }  // namespace
 
 bool hasPart(const AvatarData& avatar, AvatarPart part) {
     if (part == AvatarPart::ViewDependentColour) return avatar.splats.shDegree > 0;
     if (part == AvatarPart::MotionModes) return !avatar.correctives.motion.empty();
+    if (part == AvatarPart::SceneLight) return !avatar.light.empty();
     const auto& nodes = avatar.correctives.nodes;
     return std::any_of(nodes.begin(), nodes.end(),
                        [&](const Vec4f& n) { return part == AvatarPart::CorrectiveLight ? n.w != 0 : Vec3f(n) != Vec3f(0); });
@@ -34,6 +35,10 @@ void removePart(AvatarData& avatar, AvatarPart part) {
         return;
     }
     if (part == AvatarPart::MotionModes) return dropMotionModes(avatar.correctives);
+    if (part == AvatarPart::SceneLight) {
+        avatar.light = {};
+        return;
+    }
     for (Vec4f& node : avatar.correctives.nodes) {
         if (part == AvatarPart::CorrectiveLight)
             node.w = 0;

@@ -10,7 +10,7 @@
 
 namespace dpl {
 
-enum class AvatarPart : uint8_t { CorrectiveOffsets, CorrectiveLight, MotionModes, ViewDependentColour };
+enum class AvatarPart : uint8_t { CorrectiveOffsets, CorrectiveLight, MotionModes, SceneLight, ViewDependentColour };
 
 struct PartEvidence {
     AvatarPart part = AvatarPart::CorrectiveOffsets;
@@ -19,7 +19,8 @@ struct PartEvidence {
 
 /** Whether the avatar has the part. */
 bool hasPart(const AvatarData& avatar, AvatarPart part);
-/** Sets the offsets or the brightness of all control nodes to zero, removes the motion modes, or reduces SH to degree 0. */
+/** Sets the offsets or the brightness of all control nodes to zero, removes the motion modes or the light of the scene, or reduces SH to
+ * degree 0. */
 void removePart(AvatarData& avatar, AvatarPart part);
 /** Removes the correctives if all their nodes are zero. */
 void dropEmptyCorrectives(AvatarData& avatar);

@@ -118,6 +118,7 @@ Result<Inspection> inspectAsText(const std::filesystem::path& path) {
     if (info.correctiveNodes)
         out.insert(out.size() - 1, formatText("pose correctives: {} nodes, {} modes, {} motion modes\n", info.correctiveNodes,
                                               info.correctiveModes, info.motionModes));
+    if (info.light) out.insert(out.size() - 1, "light of the scene: stays while the subject turns\n");
     std::string layers;
     for (const LayerInfo& layer : info.layerList)
         layers += formatText("{}{} ({}, {} triangles, {} splats)", layers.empty() ? "layers: " : ", ", layer.name, layer.role,
@@ -178,7 +179,8 @@ Result<Inspection> inspectAsJson(const std::filesystem::path& path) {
                                   {"clips", info.clips},
                                   {"corrective_nodes", info.correctiveNodes},
                                   {"corrective_modes", info.correctiveModes},
-                                  {"motion_modes", info.motionModes}};
+                                  {"motion_modes", info.motionModes},
+                                  {"light", info.light}};
     for (const LayerInfo& layer : info.layerList)
         out["layer_list"].push_back({{"name", layer.name}, {"role", layer.role}, {"triangles", layer.triangles}, {"splats", layer.splats}});
     for (const ClipInfo& clip : info.clipList) out["clip_list"].push_back({{"name", clip.name}, {"duration_s", clip.durationS}});

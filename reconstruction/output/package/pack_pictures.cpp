@@ -59,7 +59,7 @@ public:
     }
     SplatEngine& project(const Pose& pose, const Cameraf& camera) {
         const SplatData& s = avatar_.splats;
-        mesh_.pose({avatar_.joints, avatar_.mesh, avatar_.correctives, rest_}, pose, jobs_);
+        mesh_.pose({avatar_.joints, avatar_.mesh, avatar_.correctives, {rest_}, &avatar_.light}, pose, jobs_);
         engine_.project(BoundSplatView{triangle_, s.uv, s.phi, s.scaleM, s.opacity, s.flags, s.shDegree, s.sh}, mesh_.frames(), camera,
                         avatar_.kappaPx2, avatar_.compensated);
         engine_.bin();

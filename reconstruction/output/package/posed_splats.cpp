@@ -30,7 +30,7 @@ Result<StaticSplatData> posedSplats(const AvatarData& avatar, const Pose& pose) 
     Jobs jobs(1);
     const std::vector<RestTriangle<float>> bind = restTriangles(avatar.mesh);
     PosedMesh posed;
-    posed.pose({avatar.joints, avatar.mesh, avatar.correctives, bind}, pose, jobs);
+    posed.pose({avatar.joints, avatar.mesh, avatar.correctives, {bind}, &avatar.light}, pose, jobs);
     const std::span<const TriangleFrame<float>> frames = posed.frames();
 
     const SplatData& in = avatar.splats;

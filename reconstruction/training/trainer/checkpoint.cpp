@@ -149,6 +149,7 @@ uint64_t CoOptimiser::State::fingerprint() const {
     visitFields(settings, SettingsWriter{w});
     putArray(w, input.mesh.restPositions), putArray(w, input.mesh.triangles), putArray(w, input.triangleLabel);
     putCorrectiveModel(w, input.correctives);
+    w.value(input.light.irradiance);
     for (size_t i = 0; i < input.frames.size(); ++i) {
         const TrainFrame& f = input.frames[i];
         for (size_t plane = 0; plane < 3; ++plane) w.value(pictureHashes[3 * i + plane]);

@@ -52,7 +52,7 @@ std::vector<Pose> posesThatShowBacks(const CoOptimiseInput& input) {
 
 CoOptimiseInput inputOf(const AvatarData& avatar, std::vector<uint8_t> triangleLabel, std::vector<TrainFrame> frames) {
     CoOptimiseInput input;
-    input.joints = avatar.joints, input.mesh = avatar.mesh, input.correctives = avatar.correctives;
+    input.joints = avatar.joints, input.mesh = avatar.mesh, input.correctives = avatar.correctives, input.light = avatar.light;
     input.triangleLabel = std::move(triangleLabel), input.frames = std::move(frames);
     return input;
 }
@@ -99,6 +99,10 @@ Status CoOptimiser::State::prepare() {
     meshRegulariser.emplace(m.restPositions, m.triangles);
     collision.emplace(m);
     mesh = m;
+    if (!input.light.empty()) {
+        restNormals.emplace(m);
+        restNormals->compute(mesh.restPositions, mesh.triangles, normals);
+    }
     if (settings.learnGeometry) {
         DPL_TRY(LargeSteps factor, LargeSteps::create(m.restPositions, m.triangles, settings.smoothingLengthM));
         largeSteps.emplace(std::move(factor));
@@ -208,7 +212,7 @@ Status CoOptimiser::State::stepOnce() {
     const Vec3f background(float(hashUniform(settings.seed, kBackgroundStream, at)),
                            float(hashUniform(settings.seed, kBackgroundStream, at + 1)),
                            float(hashUniform(settings.seed, kBackgroundStream, at + 2)));
-    const PassSubject subject{layer.splats, mesh, layer.correctives, input.joints, {bind, restNow}, incidence};
+    const PassSubject subject{layer.splats, mesh, layer.correctives, input.joints, {bind, restNow}, incidence, input.light, normals};
     const bool geometry = settings.learnGeometry || settings.learnPoses || learnsCorrectives();
     const LossValues loss = pass.run(subject, learned.frames[frame].pose, *level, weights, background, geometry);
     if (!std::isfinite(loss.total)) return fail(Code::Internal, "training step {} (frame '{}'): the loss is not finite", step, f.name);
@@ -336,6 +340,7 @@ void CoOptimiser::State::applyOffsets() {
     largeSteps->offsets(learned.layer.u, offsets, bodyVertices());
     for (size_t v = 0; v < offsets.size(); ++v) mesh.restPositions[v] = input.mesh.restPositions[v] + offsets[v];
     restTriangles(mesh, jobs, restNow);
+    if (restNormals) restNormals->compute(mesh.restPositions, mesh.triangles, normals);
 }
 
 Vec4f CoOptimiser::State::startOf(uint32_t node, uint32_t column) const {
@@ -430,6 +435,7 @@ CoOptimiseResult CoOptimiser::result() const {
     r.splats = std::move(avatar.splats);
     r.restPositions = s.mesh.restPositions;
     r.correctives = s.learned.layer.correctives;
+    r.light = s.input.light;
     for (const LearnedFrame& frame : s.learned.frames) r.poses.push_back(frame.pose);
     r.curve = s.learned.curve;
     r.framesUsed = uint32_t(s.usedFrames.size());

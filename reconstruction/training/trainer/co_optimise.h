@@ -25,6 +25,7 @@ struct CoOptimiseInput {
     std::vector<JointData> joints;
     MeshData mesh;                                        // template at rest; weights already quantised to 4 × unorm8
     PoseCorrectiveData correctives;                       // start values (nodes usually zero); empty: none are learned
+    LightData light;                                      // of the scene; constant
     std::vector<uint8_t> triangleLabel;                   // F label values of the scan, or empty: all body
     std::vector<TrainFrame> frames;                       // training frames only
     std::vector<Pose> stress;                             // poses that garments are also pulled out of the body in; may be empty
@@ -48,6 +49,7 @@ struct CoOptimiseSettings {
     bool learnPoses = true;
     bool learnCorrectives = true;
     bool learnMotion = true;  // false: the stage makes no motion modes
+    bool learnLight = true;   // false: the stage looks for no light of the scene
     bool densify = true;
     bool learnPlacement = true;       // uv and φ; off in polish
     bool fullResolutionOnly = false;  // no progressive levels
@@ -86,6 +88,7 @@ struct CoOptimiseResult {
     SplatData splats;                  // bound to `restPositions`
     std::vector<Vec3f> restPositions;  // template + ΔVˢ
     PoseCorrectiveData correctives;
+    LightData light;          // that of the input
     std::vector<Pose> poses;  // refined, in the order of the frames
     std::vector<CurvePoint> curve;
     StepProfile profile;

@@ -8,6 +8,7 @@
 #include "reconstruction/training/trainer/garment_collision.h"
 #include "reconstruction/training/trainer/learned.h"
 #include "reconstruction/training/trainer/motion_bounds.h"
+#include "sdk/avatar/scene_light.h"
 
 namespace dpl {
 
@@ -27,6 +28,7 @@ struct CoOptimiser::State {
     std::optional<LargeSteps> largeSteps;
     std::optional<GarmentCollision> collision;
     std::optional<MotionBounds> motionBounds;  // none without motion modes
+    std::optional<RestNormals> restNormals;    // none without light
     std::vector<uint32_t> usedFrames;
     std::vector<uint64_t> pictureHashes;  // of every frame its image, its mask and its labels
     bool onlyMoving = false;              // no still frame is used
@@ -36,6 +38,7 @@ struct CoOptimiser::State {
     // Derived from the members above.
     MeshData mesh;                             // input.mesh with the learned offsets ΔVˢ added
     std::vector<RestTriangle<float>> restNow;  // of `mesh`; empty while there are no offsets
+    std::vector<Vec3f> normals;                // of `mesh`; empty without light
     LevelFrames levels;
     std::vector<uint32_t> order;
     uint64_t orderEpoch = ~0ull;

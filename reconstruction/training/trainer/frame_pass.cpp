@@ -13,7 +13,7 @@ LossValues FramePass::run(const PassSubject& s, const Pose& pose, const LevelFra
         sum += std::chrono::duration<double, std::milli>(now - last).count();
         last = now;
     };
-    posed_.pose({s.joints, s.mesh, s.correctives, s.rest}, pose, jobs_);
+    posed_.pose({s.joints, s.mesh, s.correctives, s.rest, &s.light, s.normals}, pose, jobs_);
     lap(times.pose);
     engine_.project(s.splats.view(), posed_.frames(), level.camera, level.kappaPx2, /*compensated=*/true, /*record=*/true);
     engine_.bin();
@@ -29,7 +29,9 @@ LossValues FramePass::run(const PassSubject& s, const Pose& pose, const LevelFra
     lap(times.splats);
     if (geometry) {
         splatBackward_.gatherVertices(s.incidence, gPosed_, gLight_);
-        backwardSkin(s.mesh, s.joints, posed_, gPosed_, jobs_, gRest_, poseGradient_);
+        gNormals_.clear();
+        if (!s.light.empty()) backwardLight(s.mesh, s.light, s.normals, posed_, gLight_, gNormals_);
+        backwardSkin(s.mesh, s.joints, posed_, {gPosed_, gNormals_, s.normals}, jobs_, gRest_, poseGradient_);
         gNodes_.clear();
         if (!s.correctives.empty()) {
             gatherNodes(s.correctives, posed_.nodes(), gRest_, gLight_, gNodes_);

@@ -4,6 +4,7 @@
 #pragma once
 
 #include "reconstruction/training/trainer/backward_correctives.h"
+#include "reconstruction/training/trainer/backward_light.h"
 #include "reconstruction/training/trainer/backward_splats.h"
 #include "reconstruction/training/trainer/losses.h"
 #include "reconstruction/training/trainer/train_images.h"
@@ -19,6 +20,8 @@ struct PassSubject {
     std::span<const JointData> joints;
     TrianglesAtRest rest;
     const VertexIncidence& incidence;
+    const LightData& light;
+    std::span<const Vec3f> normals;  // V, of RestNormals; empty without light
 };
 
 /** Wall time of each part of a pass in milliseconds, summed over passes. */
@@ -54,7 +57,7 @@ private:
     SplatImage image_;
     ImageGradient gradient_;
     PosedMesh posed_;
-    std::vector<Vec3f> gPosed_, gRest_;
+    std::vector<Vec3f> gPosed_, gRest_, gNormals_;
     std::vector<float> gLight_;
     std::vector<Vec4f> gNodes_;
     PoseGradient<double> poseGradient_;

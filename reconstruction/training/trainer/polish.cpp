@@ -5,6 +5,7 @@
 
 #include "reconstruction/training/trainer/pose_step.h"
 #include "reconstruction/training/trainer/random.h"
+#include "sdk/avatar/scene_light.h"
 
 namespace dpl {
 
@@ -43,7 +44,9 @@ Result<PoseFitResult> fitPose(const AvatarData& avatar, const TrainFrame& frame,
     splats.activateAll(jobs);
     const std::vector<RestTriangle<float>> bind = restTriangles(avatar.mesh);
     const VertexIncidence incidence(avatar.mesh.triangles, avatar.mesh.restPositions.size());
-    const PassSubject subject{splats, avatar.mesh, avatar.correctives, avatar.joints, {bind}, incidence};
+    std::vector<Vec3f> normals;
+    if (!avatar.light.empty()) normals = restVertexNormals(avatar.mesh);
+    const PassSubject subject{splats, avatar.mesh, avatar.correctives, avatar.joints, {bind}, incidence, avatar.light, normals};
     FramePass pass(jobs);
     const Vec3f grey(0.5f);
     PoseFitResult result;

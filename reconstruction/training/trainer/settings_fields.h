@@ -33,15 +33,16 @@ void visitFields(const InitSettings& settings, Visit&& visit) {
 template <class Visit>
 void visitFields(const CoOptimiseSettings& settings, Visit&& visit) {
     const auto& [seed, steps, init, maxSplats, loss, earlyMaskFactor, regularise, closeupStepScale, learnSplats, learnGeometry, learnPoses,
-                 learnCorrectives, learnMotion, densify, learnPlacement, fullResolutionOnly, rateUv, endUv, ratePhi, rateLogScale,
-                 endLogScale, rateOpacity, endOpacity, rateDc, rateRest, endColour, rateOffsets, endOffsets, rateRotation, rateTranslation,
-                 endPose, rateNodeOffset, rateNodeLight, endNodes, nodeDecay, smoothingLengthM, geometryEvery, densityEvents, levelStarts] =
-        settings;
+                 learnCorrectives, learnMotion, learnLight, densify, learnPlacement, fullResolutionOnly, rateUv, endUv, ratePhi,
+                 rateLogScale, endLogScale, rateOpacity, endOpacity, rateDc, rateRest, endColour, rateOffsets, endOffsets, rateRotation,
+                 rateTranslation, endPose, rateNodeOffset, rateNodeLight, endNodes, nodeDecay, smoothingLengthM, geometryEvery,
+                 densityEvents, levelStarts] = settings;
     visit("seed", seed), visit("steps", steps), visit("init", init), visit("maxSplats", maxSplats);
     visit("loss", loss), visit("earlyMaskFactor", earlyMaskFactor), visit("regularise", regularise);
     visit("closeupStepScale", closeupStepScale);
     visit("learnSplats", learnSplats), visit("learnGeometry", learnGeometry), visit("learnPoses", learnPoses);
-    visit("learnCorrectives", learnCorrectives), visit("learnMotion", learnMotion), visit("densify", densify);
+    visit("learnCorrectives", learnCorrectives), visit("learnMotion", learnMotion), visit("learnLight", learnLight);
+    visit("densify", densify);
     visit("learnPlacement", learnPlacement), visit("fullResolutionOnly", fullResolutionOnly);
     visit("rateUv", rateUv), visit("endUv", endUv), visit("ratePhi", ratePhi);
     visit("rateLogScale", rateLogScale), visit("endLogScale", endLogScale);

@@ -34,6 +34,10 @@ DPL_NUMBER kStretchFade = 3.0;
 DPL_NUMBER kStretchGone = 4.0;
 DPL_NUMBER kSqueezeFade = 0.25;
 
+// Light of the scene, over its mean: docs/reference/light.md. The bounds keep the ratio of two irradiances finite.
+DPL_NUMBER kMinIrradiance = 0.3;
+DPL_NUMBER kMaxIrradiance = 3.0;
+
 // Level of detail: docs/reference/level-of-detail.md. The group size is kSplatGroup in shaders/shared/limits.h.
 DPL_NUMBER kDetailFade = 0.5;  // with k kept ranks, ranks from k to (1 + kDetailFade)·k fade out
 DPL_NUMBER kDetailGroup = 128.0;

@@ -9,7 +9,7 @@ void addSkin(FramePlan& plan, const FrameIds& frame, const SubjectIds& subject) 
         .reads(subject.palette, subject.vertices)
         .writes(subject.posed)
         .updates(frame.counts)
-        .push(gpu::VertexPush{subject.vertexCount, 3 * subject.jointCount, subject.drawn})
+        .push(gpu::VertexPush{subject.vertexCount, 3 * subject.jointCount, subject.firstLight, subject.drawn})
         .threads(subject.vertexCount);
 }
 

@@ -2,16 +2,21 @@
 // Poses every vertex with its four joints (unorm8 weights) and keeps the extent along the sort axis, which is the range of the depth
 // keys. A vertex of components that no view sees is not written, because no pass reads it in this frame.
 // DPL_CORRECTED: first moves the rest position by the control nodes of the pose, and writes the vertex's brightness
-// (sdk/avatar/pose_correctives.h).
+// (sdk/avatar/pose_correctives.h). Where the light of the scene is known, the posed normal decides on the brightness too
+// (sdk/avatar/scene_light.h).
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #include "shaders/shared/frame.h"
 #include "shaders/lib/reads.glsl"
 #include "shaders/lib/order.glsl"
+#include "shaders/lib/formulas.glsl"
+#include "sdk/math/formulas/sh.inl"
+#include "sdk/math/formulas/light.inl"
 layout(local_size_x = 128) in;  // kVertexGroup
 
 layout(std140, binding = 0) uniform FrameBlock { FrameData frame; };
-// three rows of G_j for each joint, then one vec4 for each control node: offset, and change of the brightness
+// three rows of G_j for each joint, then one vec4 for each control node: offset, and change of the brightness; then, where there is light of
+// the scene, its coefficients
 DPL_FOURS(1, PaletteBlock, palette);
 DPL_FOURS(2, VertexBlock, vertices);  // VertexRecord; DPL_CORRECTED: CorrectedVertexRecord
 layout(std430, binding = 3) writeonly buffer PosedBlock { PosedVertex posed[]; };
@@ -34,13 +39,13 @@ CorrectedVertexRecord vertexAt(uint vertex) {
     uint at = kCorrectedVertexFours * vertex;
     uvec4 a = DPL_FOUR(vertices, at), b = DPL_FOUR(vertices, at + 1u), c = DPL_FOUR(vertices, at + 2u);
     vec3 rest = uintBitsToFloat(a.xyz);
-    return CorrectedVertexRecord(rest.x, rest.y, rest.z, a.w, b.x, b.y, b.z, b.w, c.x, c.y, 0u, 0u);
+    return CorrectedVertexRecord(rest.x, rest.y, rest.z, a.w, b.x, b.y, b.z, b.w, c.x, c.y, c.z, 0u);
 }
 #else
 VertexRecord vertexAt(uint vertex) {
     uvec4 a = DPL_FOUR(vertices, kVertexFours * vertex), b = DPL_FOUR(vertices, kVertexFours * vertex + 1u);
     vec3 rest = uintBitsToFloat(a.xyz);
-    return VertexRecord(rest.x, rest.y, rest.z, a.w, b.x, b.y, b.z, 0u);
+    return VertexRecord(rest.x, rest.y, rest.z, a.w, b.x, b.y, b.z, b.w);
 }
 #endif
 
@@ -49,6 +54,26 @@ bool seen(uint vertex) { return frame.unseenComponents == 0u || (vertexAt(vertex
 #ifdef DPL_CORRECTED
 vec4 nodeShare(uint node, uint weight) { return float(weight) * (1.0 / 255.0) * paletteRow(push.firstNode + node); }
 #endif
+
+vec3 turnedBy(vec3 normal, uint joint, uint weight) {
+    float w = float(weight) * (1.0 / 255.0);
+    return w * vec3(dot(paletteRow(joint * 3u).xyz, normal), dot(paletteRow(joint * 3u + 1u).xyz, normal),
+                    dot(paletteRow(joint * 3u + 2u).xyz, normal));
+}
+
+float irradiance(vec3 normal) {
+    vec4 a = paletteRow(push.firstLight), b = paletteRow(push.firstLight + 1u);
+    return irradianceOn(normal, a.xyz, vec3(a.w, b.xy), b.zw);
+}
+
+/** Irradiance on the posed normal over that at rest. */
+float sceneLight(uint normal, uint joints01, uint joints23, uint weights) {
+    vec3 rest = fromOctahedron(unpackSnorm2x16(normal));
+    vec3 turned = turnedBy(rest, joints01 & 0xFFFFu, weights & 0xFFu) + turnedBy(rest, joints01 >> 16u, (weights >> 8u) & 0xFFu) +
+                  turnedBy(rest, joints23 & 0xFFFFu, (weights >> 16u) & 0xFFu) + turnedBy(rest, joints23 >> 16u, weights >> 24u);
+    float size = length(turned);
+    return irradiance(size > 1e-12 ? turned / size : vec3(0.0, 1.0, 0.0)) / irradiance(rest);
+}
 
 void main() {
     uint lane = gl_LocalInvocationIndex;
@@ -68,8 +93,10 @@ void main() {
 #else
         VertexRecord v = vertexAt(vertex);
         vec4 rest = vec4(v.restX, v.restY, v.restZ, 1.0);
-        const float light = 1.0;
+        float light = 1.0;
 #endif
+        if (push.firstLight != 0u)
+            light = clamp(light * sceneLight(v.normal, v.joints01, v.joints23, v.weights), kGpuMinLight, kGpuMaxLight);
         vec3 p = vec3(0.0);
         addJoint(p, rest, v.joints01 & 0xFFFFu, v.weights & 0xFFu);
         addJoint(p, rest, v.joints01 >> 16u, (v.weights >> 8u) & 0xFFu);

@@ -4,8 +4,10 @@
 #include <random>
 
 #include "reconstruction/training/trainer/backward_correctives.h"
+#include "reconstruction/training/trainer/backward_light.h"
 #include "reconstruction/training/trainer/backward_splats.h"
 #include "sdk/avatar/posed_mesh.h"
+#include "sdk/avatar/scene_light.h"
 #include "sdk/format/motion_modes.h"
 #include "tests/gradient/splat/double_scene.h"
 #include "tests/gradient/splat/finite_difference.h"
@@ -103,6 +105,13 @@ DoubleScene withMotion(DoubleScene s, double moved, float reach = 10) {
     return s;
 }
 
+/** Adds light from one side, which bends brightness by some tenths and stays inside its bounds. */
+DoubleScene withLight(DoubleScene s) {
+    s.light.irradiance = {-0.5f, 0.3f, -0.2f, 0.15f, -0.1f, 0.2f, 0.1f, -0.15f};
+    s.normals = restVertexNormals(s.mesh);
+    return s;
+}
+
 struct Analytic {
     std::vector<double> rows, rest, joints, root, nodes;
     std::vector<float> bytes;  // everything, for the thread test
@@ -131,7 +140,7 @@ Analytic backward(const DoubleScene& s, uint32_t threads, const std::array<float
     pose.before = s.before;
     std::vector<Vec3f> gPosed, gRest;
     PosedMesh posed;
-    posed.pose({s.joints, mesh, s.correctives, bind}, pose, jobs);
+    posed.pose({s.joints, mesh, s.correctives, {bind}, &s.light, s.normals}, pose, jobs);
 
     const Cameraf camera = s.camera.cast<float>();
     SplatEngine engine(jobs);
@@ -152,9 +161,11 @@ Analytic backward(const DoubleScene& s, uint32_t threads, const std::array<float
     SplatBackward backward(jobs);
     backward.run({splats, posed.frames(), {bind}, camera, engine.projected(), engine.forwardRecords(), pixels.sums()}, true);
     std::vector<float> gLight;
+    std::vector<Vec3f> gNormals;
     backward.gatherVertices(VertexIncidence(mesh.triangles, s.rest.size()), gPosed, gLight);
     PoseGradient<double> g;
-    backwardSkin(mesh, s.joints, posed, gPosed, jobs, gRest, g);
+    if (!s.light.empty()) backwardLight(mesh, s.light, s.normals, posed, gLight, gNormals);
+    backwardSkin(mesh, s.joints, posed, {gPosed, gNormals, s.normals}, jobs, gRest, g);
     std::vector<Vec4f> gNodes;
     if (!s.correctives.empty()) {
         gatherNodes(s.correctives, posed.nodes(), gRest, gLight, gNodes);
@@ -271,6 +282,27 @@ TEST(SplatImageGradient, poseCorrectivesOffTheirModes) {
 }
 TEST(SplatImageGradient, poseCorrectivesBeyondTheirReach) {
     check(withCorrectives(makeScene(0.0, kSplatSingleFace), 0.3f));
+}
+
+TEST(SplatImageGradient, lightOfTheScene) {
+    const DoubleScene s = withLight(makeScene(0.0, 0));
+    check(s);
+    DoubleScene unlit = s;
+    unlit.light = {}, unlit.normals.clear();
+    const std::vector<double> with = backward(s, 1).joints, without = backward(unlit, 1).joints;
+    double change = 0, size = 0;
+    for (size_t i = 0; i < with.size(); ++i)
+        change = std::max(change, std::abs(with[i] - without[i])), size = std::max(size, std::abs(with[i]));
+    EXPECT_GT(change, 0.01 * size) << "the light is a part of what a turn does";
+}
+TEST(SplatImageGradient, lightOfTheSceneAndPoseCorrectives) {
+    check(withLight(withCorrectives(makeScene(0.0, kSplatSingleFace), 10)));
+}
+TEST(SplatImageGradient, boundedLightStopsItsOwnGradient) {
+    DoubleScene s = withLight(makeScene(0.0, 0));
+    for (float& c : s.light.irradiance) c *= 8;  // some vertices lie at a bound of the irradiance, or at one of the brightness
+    s.light.irradiance[1] = 3.9f;
+    check(s);
 }
 
 TEST(SplatImageGradient, motionModesHalfWay) {

@@ -79,12 +79,14 @@ TEST(ShaderPack, structsHaveTheSameOffsetsInCppAndInTheBuiltShaders) {
     // Kernels read these records as uvec4s and uvec2s, and name each word by its position.
     static_assert(offsetof(VertexRecord, restX) == 0 && offsetof(VertexRecord, restY) == 4 && offsetof(VertexRecord, restZ) == 8 &&
                   offsetof(VertexRecord, joints01) == 12 && offsetof(VertexRecord, joints23) == 16 &&
-                  offsetof(VertexRecord, weights) == 20 && offsetof(VertexRecord, components) == 24);
+                  offsetof(VertexRecord, weights) == 20 && offsetof(VertexRecord, components) == 24 &&
+                  offsetof(VertexRecord, normal) == 28);
     static_assert(offsetof(CorrectedVertexRecord, restX) == 0 && offsetof(CorrectedVertexRecord, restY) == 4 &&
                   offsetof(CorrectedVertexRecord, restZ) == 8 && offsetof(CorrectedVertexRecord, joints01) == 12 &&
                   offsetof(CorrectedVertexRecord, joints23) == 16 && offsetof(CorrectedVertexRecord, weights) == 20 &&
                   offsetof(CorrectedVertexRecord, nodes01) == 24 && offsetof(CorrectedVertexRecord, nodes23) == 28 &&
-                  offsetof(CorrectedVertexRecord, nodeWeights) == 32 && offsetof(CorrectedVertexRecord, components) == 36);
+                  offsetof(CorrectedVertexRecord, nodeWeights) == 32 && offsetof(CorrectedVertexRecord, components) == 36 &&
+                  offsetof(CorrectedVertexRecord, normal) == 40);
     static_assert(offsetof(PosedVertex, x) == 0 && offsetof(PosedVertex, y) == 4 && offsetof(PosedVertex, z) == 8 &&
                   offsetof(PosedVertex, light) == 12);
     static_assert(offsetof(TriangleRecord, restT1X) == 0 && offsetof(TriangleRecord, inverse00) == 12 &&
@@ -138,8 +140,9 @@ TEST(ShaderPack, structsHaveTheSameOffsetsInCppAndInTheBuiltShaders) {
                   DPL_AT(TilePush, firstScene), DPL_AT(TilePush, tileShift), DPL_AT(TilePush, reachPx), DPL_AT(TilePush, splatCount)});
     expectLayout("RowScanPush", sizeof(RowScanPush),
                  {DPL_AT(RowScanPush, perRow), DPL_AT(RowScanPush, firstTable), DPL_AT(RowScanPush, firstSum)});
-    expectLayout("VertexPush", sizeof(VertexPush),
-                 {DPL_AT(VertexPush, vertexCount), DPL_AT(VertexPush, firstNode), DPL_AT(VertexPush, drawn)});
+    expectLayout(
+        "VertexPush", sizeof(VertexPush),
+        {DPL_AT(VertexPush, vertexCount), DPL_AT(VertexPush, firstNode), DPL_AT(VertexPush, firstLight), DPL_AT(VertexPush, drawn)});
     expectLayout("TrianglePush", sizeof(TrianglePush), {DPL_AT(TrianglePush, triangleCount)});
     expectLayout("MeshDepthPush", sizeof(MeshDepthPush),
                  {DPL_AT(MeshDepthPush, triangleCount), DPL_AT(MeshDepthPush, viewCount), DPL_AT(MeshDepthPush, widthPx),

@@ -121,6 +121,15 @@ TEST(FrameModel, correctivesMakeSkinningReadMore) {
     EXPECT_EQ(passOf(modelPlainFloat(work), "pose.skin").readBytes, 1000u * 48);
 }
 
+TEST(FrameModel, lightMakesSkinningWorkMoreAndReadNoMore) {
+    FrameWork lit = known();
+    lit.lit = true;
+    const ModelledPass with = passOf(modelToday(lit), "pose.skin"), without = passOf(modelToday(known()), "pose.skin");
+    EXPECT_GT(with.operations, 2 * without.operations);
+    EXPECT_EQ(with.bytes(), without.bytes());
+    EXPECT_EQ(passOf(modelPlainFloat(lit), "pose.skin").operations, without.operations) << "the frozen frame knows no light";
+}
+
 TEST(FrameModel, aPassTakesAsLongAsTheSlowerOfMovingAndWorking) {
     const ModelledPass pass{"x", 30'000'000, 20'000'000, 4'000'000};
     EXPECT_DOUBLE_EQ(pass.milliseconds({50, 4}), 1.0);

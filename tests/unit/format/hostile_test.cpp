@@ -277,6 +277,29 @@ TEST(HostileAvatar, damagedMotionModes) {
     EXPECT_TRUE(readAvatar(test::split(good).bytes(), trusting()));
 }
 
+TEST(HostileAvatar, damagedLight) {
+    const auto light = [](GlbParts& p) -> json& { return ours(p)["light"]; };
+    const std::vector<Damage> list = {
+        {"in version 2", [](GlbParts& p) { ours(p)["version"] = 2; }},
+        {"a number", [=](GlbParts& p) { light(p) = 7; }},
+        {"newer encoding", [=](GlbParts& p) { light(p)["encoding"] = 2; }, Code::Version},
+        {"no encoding", [=](GlbParts& p) { light(p).erase("encoding"); }},
+        {"no coefficients", [=](GlbParts& p) { light(p).erase("irradiance"); }},
+        {"7 coefficients", [=](GlbParts& p) { light(p)["irradiance"].erase(7); }},
+        {"9 coefficients", [=](GlbParts& p) { light(p)["irradiance"].push_back(0); }},
+        {"a coefficient as text", [=](GlbParts& p) { light(p)["irradiance"][2] = "0"; }},
+        {"a coefficient of 4.1", [=](GlbParts& p) { light(p)["irradiance"][2] = 4.1; }},
+        {"a coefficient of 1e300", [=](GlbParts& p) { light(p)["irradiance"][2] = 1e300; }},
+    };
+    const std::vector<uint8_t> good = *writeAvatar(test::tinyLitAvatar());
+    for (const Damage& damage : list) {
+        GlbParts parts = test::split(good);
+        damage.apply(parts);
+        expectRefused(damage.what, parts.bytes(), damage.code);
+    }
+    EXPECT_TRUE(readAvatar(test::split(good).bytes(), trusting()));
+}
+
 TEST(HostileAvatar, damagedPalettes) {
     const std::vector<Damage> list = {
         {"size missing", [](GlbParts& p) { ours(p)["splats"].erase("shPaletteSize"); }},

@@ -274,6 +274,23 @@ TEST(AvatarRoundTrip, onlyFilesWithMotionModesNeedVersion3) {
     EXPECT_TRUE(*writeAvatar(a) == plain);
 }
 
+TEST(AvatarRoundTrip, lightComesBackAndNeedsVersion3) {
+    for (AvatarData a : {test::tinyLitAvatar(), withCorrectives(test::tinyLitAvatar(), 1)}) {
+        const auto bytes = writeAvatar(a);
+        ASSERT_TRUE(bytes) << bytes.error().message;
+        const auto b = readAvatar(*bytes);
+        ASSERT_TRUE(b) << b.error().message;
+        EXPECT_EQ(a.light.irradiance, b->light.irradiance);
+        EXPECT_EQ(inspectAvatar(*bytes)->version, 3u);
+        EXPECT_TRUE(inspectAvatar(*bytes)->light);
+        expectSameBytes(a);
+        a.light.irradiance[3] = NAN;
+        EXPECT_EQ(writeAvatar(a).error().code, Code::InvalidArgument);
+        a.light = {};
+        EXPECT_LT(inspectAvatar(*writeAvatar(a))->version, 3u);
+    }
+}
+
 TEST(AvatarRoundTrip, onlyFilesWithCorrectivesNeedVersion2) {
     EXPECT_EQ(inspectAvatar(*writeAvatar(tinyAvatar()))->version, 1u);
     EXPECT_EQ(inspectAvatar(*writeAvatar(withCorrectives(tinyAvatar(), 1)))->version, 2u);

@@ -62,6 +62,13 @@ inline AvatarData tinyMovingAvatar() {
     return a;
 }
 
+/** tinyAvatar in light from above and the left. */
+inline AvatarData tinyLitAvatar() {
+    AvatarData a = tinyAvatar();
+    a.light.irradiance = {-0.5f, 0.25f, -0.3f, 0.1f, 0, -0.125f, 0.0625f, 0.01f};
+    return a;
+}
+
 /** A map with sides of all kinds: fine, coarse, blurred, not seen. */
 inline CaptureMapData sampleCaptureMap(size_t joints) {
     CaptureMapData map;

@@ -49,6 +49,16 @@ TEST(Evidence, motionGoesAloneAndTakesItsColumns) {
     EXPECT_EQ(a.correctives.nodes, twoSplats().correctives.nodes);
 }
 
+TEST(Evidence, lightOfTheSceneGoesAlone) {
+    AvatarData a = twoSplats();
+    EXPECT_FALSE(hasPart(a, AvatarPart::SceneLight));
+    a.light.irradiance[2] = 0.5f;
+    EXPECT_TRUE(hasPart(a, AvatarPart::SceneLight));
+    removePart(a, AvatarPart::SceneLight);
+    EXPECT_FALSE(hasPart(a, AvatarPart::SceneLight));
+    EXPECT_EQ(a.correctives.nodes, twoSplats().correctives.nodes);
+}
+
 TEST(Evidence, fileHoldsWhatWasFoundAndADamagedOneIsNamed) {
     const auto path = std::filesystem::temp_directory_path() / ("doppel_evidence_" + std::to_string(::getpid()) + ".json");
     ASSERT_TRUE(writeEvidence({{AvatarPart::CorrectiveLight, {"light", true, 0.75f, 120, "measured"}}}, path));

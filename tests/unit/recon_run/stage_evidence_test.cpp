@@ -37,7 +37,7 @@ TEST(StageEvidence, keepsAPartThatHelpsAndDropsOneThatDoesNot) {
         toy.trainingKey = offsetsAreTrue ? "first" : "second";
         const auto measured = measure(toy);
         ASSERT_TRUE(measured) << measured.error().message;
-        ASSERT_EQ(measured->parts.size(), 4u);
+        ASSERT_EQ(measured->parts.size(), 5u);
         const EvidenceData &offsets = rowOf(*measured, AvatarPart::CorrectiveOffsets),
                            &colour = rowOf(*measured, AvatarPart::ViewDependentColour);
         EXPECT_EQ(offsets.kept, offsetsAreTrue);
@@ -47,6 +47,22 @@ TEST(StageEvidence, keepsAPartThatHelpsAndDropsOneThatDoesNot) {
         EXPECT_LT(dropped.gainDb, -0.5f) << "the truth does not have this part";
         EXPECT_GT(kept.bytes, 0u);
         EXPECT_EQ(dropped.bytes, 0u);
+    }
+}
+
+TEST(StageEvidence, keepsLightThatIsThereAndDropsOneThatIsNot) {
+    for (const bool lightIsTrue : {true, false}) {
+        ToyReconstruction toy;
+        AvatarData shown = toy.avatar;
+        toy.avatar.light.irradiance = {-0.9f, 0.3f, -0.5f, 0, 0, 0, 0, 0};
+        if (lightIsTrue) shown.light = toy.avatar.light;
+        toy.takePictures(shown);
+        toy.trainingKey = lightIsTrue ? "first" : "second";
+        const auto measured = measure(toy);
+        ASSERT_TRUE(measured) << measured.error().message;
+        const EvidenceData& light = rowOf(*measured, AvatarPart::SceneLight);
+        EXPECT_EQ(light.kept, lightIsTrue) << light.gainDb;
+        EXPECT_GT(lightIsTrue ? light.gainDb : -light.gainDb, 0.1f);
     }
 }
 
@@ -133,7 +149,7 @@ TEST(StageEvidence, saysWhatWasNotTrained) {
     ASSERT_TRUE(measured) << measured.error().message;
     for (const PartEvidence& p : measured->parts) {
         EXPECT_FALSE(p.row.kept);
-        EXPECT_TRUE(p.row.reason.starts_with("not trained")) << p.row.reason;
+        EXPECT_TRUE(p.row.reason.starts_with(p.part == AvatarPart::SceneLight ? "not found" : "not trained")) << p.row.reason;
     }
 }
 

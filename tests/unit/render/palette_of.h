@@ -16,7 +16,7 @@ inline std::vector<gpu::vec4> paletteOf(const AvatarData& avatar, const Pose& jo
     if (!avatar.correctives.empty())
         correctiveCoefficients(avatar.correctives, nodePose, coefficients), correctiveNodes(avatar.correctives, coefficients, nodes);
     std::vector<gpu::vec4> palette(paletteSize(avatar));
-    packPalette(joints, nodes, palette);
+    packPalette(joints, nodes, avatar.light, palette);
     return palette;
 }
 

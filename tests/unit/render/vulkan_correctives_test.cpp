@@ -22,7 +22,7 @@ std::vector<Vec4f> skinOnDevice(Backend& backend, const AvatarData& avatar, cons
     FrameIds ids;
     SubjectIds subject;
     subject.vertexCount = uint32_t(avatar.mesh.restPositions.size()), subject.jointCount = uint32_t(avatar.joints.size()),
-    subject.corrected = true;
+    subject.corrected = true, subject.firstLight = firstLightRow(avatar);
     std::vector<BufferId> owned;
     const auto make = [&](const char* label, uint64_t bytes, BufferMemory memory = BufferMemory::Device) {
         auto buffer = backend.createBuffer({label, bytes, memory});
@@ -61,8 +61,11 @@ TEST(VulkanCorrectives, deviceVerticesAreTheRefereesToAThousandthOfTheirRange) {
     VulkanTestOptions options = testVulkanOptions();
     auto backend = createTestBackend(options);
     if (!backend) GTEST_SKIP() << backend.error().message;
-    expectCorrectivesMatch(
-        "Vulkan", [&](const AvatarData& avatar, const Pose& pose, bool skinned) { return skinOnDevice(**backend, avatar, pose, skinned); });
+    const auto verticesOf = [&](const AvatarData& avatar, const Pose& pose, bool skinned) {
+        return skinOnDevice(**backend, avatar, pose, skinned);
+    };
+    expectCorrectivesMatch("Vulkan", verticesOf);
+    expectSceneLightMatches("Vulkan", verticesOf);
     backend->reset();
     EXPECT_EQ(options.validationMessages->load(), 0u);
 }

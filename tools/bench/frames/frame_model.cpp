@@ -18,7 +18,7 @@ constexpr uint64_t kByteColourBytes = 4;
 
 // Operations are counted in the source of the kernels, for active lanes only. An addition, multiplication, comparison, division, root,
 // exponential or integer operation counts as one.
-constexpr uint64_t kSkinOps = 118, kCorrectOps = 37;  // per vertex: four joints of three rows; four control nodes
+constexpr uint64_t kSkinOps = 118, kCorrectOps = 37, kLightOps = 166;  // per vertex: four joints of three rows; four nodes; turned normal
 constexpr uint64_t kTriangleOps = 190,
                    kTriangleViewOps = 125;  // per triangle: F, its polar rotation and stretch; per view: project its corners and test them
 constexpr uint64_t kDecodeOps = 45, kPlaceOps = 70;        // per splat: decode; centre, axes, normal and light
@@ -31,9 +31,9 @@ constexpr uint64_t kCornerOps = 30;                  // per corner; the pixels o
 constexpr uint64_t kPlainCorners = 4, kCorners = 3;  // per record: a strip of two triangles; one triangle around the ellipse
 
 template <class Vertex>
-ModelledPass skinning(uint64_t vertices, bool corrected) {
+ModelledPass skinning(uint64_t vertices, bool corrected, bool lit) {
     return {"pose.skin", vertices * sizeof(Vertex), vertices * sizeof(gpu::PosedVertex),
-            vertices * (kSkinOps + (corrected ? kCorrectOps : 0))};
+            vertices * (kSkinOps + (corrected ? kCorrectOps : 0) + (lit ? kLightOps : 0))};
 }
 
 uint64_t colourOps(uint32_t shDegree) {
@@ -96,7 +96,7 @@ std::vector<ModelledPass> modelPlainFloat(const FrameWork& w) {
     const uint64_t n = w.splats, drawn = w.splatsDrawn, pixels = w.pixels / w.views,
                    sh = uint64_t(w.shDegree + 1) * (w.shDegree + 1) * 3 * sizeof(float);
     std::vector<ModelledPass> passes = {
-        w.corrected ? skinning<CorrectedVertexRecord>(w.vertices, true) : skinning<VertexRecord>(w.vertices, false),
+        w.corrected ? skinning<CorrectedVertexRecord>(w.vertices, true, false) : skinning<VertexRecord>(w.vertices, false, false),
         {"pose.triangles", w.triangles * sizeof(TriangleRecord) + w.vertices * sizeof(vec4), w.triangles * sizeof(plain::TriangleFrame),
          w.triangles * kTriangleOps},
         // Projection reads every splat's record and its triangle's corners and columns. It writes a record and a depth for every splat,
@@ -119,7 +119,7 @@ std::vector<ModelledPass> modelToday(const FrameWork& w) {
     const uint64_t drawn = w.splatsDrawn, records = drawn * w.views, lanes = uint64_t(w.liveGroups) * kSplatGroup;
     const uint64_t flags = uint64_t(w.groups) * sizeof(uint), masks = flags * kMaskWords;
     std::vector<ModelledPass> passes = {
-        w.corrected ? skinning<CorrectedVertexRecord>(w.vertices, true) : skinning<VertexRecord>(w.vertices, false),
+        w.corrected ? skinning<CorrectedVertexRecord>(w.vertices, true, w.lit) : skinning<VertexRecord>(w.vertices, false, w.lit),
         {"pose.triangles", w.triangles * sizeof(TriangleRecord) + w.vertices * sizeof(PosedVertex),
          w.triangles * sizeof(gpu::TriangleFrame), w.triangles * (kTriangleOps + kTriangleViewOps * w.views)},
         // Reads: splat codes, as counted by the renderer; flags, ranges and the list of live groups; the view mask of every triangle, and

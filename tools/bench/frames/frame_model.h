@@ -14,6 +14,7 @@ namespace dpl {
 struct FrameWork {
     uint32_t vertices = 0, triangles = 0, splats = 0, shDegree = 0;
     bool corrected = false;  // has pose correctives
+    bool lit = false;        // has light of the scene
     uint32_t views = 1;
     uint64_t pixels = 0;                                                         // sum over all views
     uint32_t trianglesFacing = 0, groups = 0, liveGroups = 0, splatsFacing = 0;  // survivors of the current frame's culling

@@ -20,7 +20,7 @@ public:
     void add(const BenchCase& test, const std::vector<Contestant>& list, const BenchSubject& subject,
              const ReferenceFile& referee) override {
         worth_.add(test, list);
-        model_ += modelOf(test, list, subject, referee.hasPoseCorrectives(), machine_);
+        model_ += modelOf(test, list, subject, referee, machine_);
     }
     std::string text() const override {
         std::string out =

@@ -3,7 +3,7 @@
 
 namespace dpl {
 
-std::string modelOf(const BenchCase& test, const std::vector<Contestant>& list, const BenchSubject& subject, bool corrected,
+std::string modelOf(const BenchCase& test, const std::vector<Contestant>& list, const BenchSubject& subject, const ReferenceFile& referee,
                     const ModelMachine& machine) {
     std::string rows;
     if (subject.info.jointCount == 0) return rows;
@@ -11,7 +11,8 @@ std::string modelOf(const BenchCase& test, const std::vector<Contestant>& list, 
                     .triangles = subject.info.triangleCount,
                     .splats = subject.info.splatCount,
                     .shDegree = subject.info.shDegree,
-                    .corrected = corrected,
+                    .corrected = referee.hasPoseCorrectives(),
+                    .lit = referee.hasLight(),
                     .views = test.viewCount,
                     .pixels = uint64_t(test.widthPx) * test.heightPx * test.viewCount};
     for (const char* option : {"vulkan-quads", "vulkan-tiles"})
