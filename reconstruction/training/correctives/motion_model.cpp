@@ -119,28 +119,39 @@ std::optional<size_t> jointOfFeature(const MotionModeData& motion, size_t featur
     return input > 0 ? std::optional(input - 1) : std::nullopt;
 }
 
-/** Flags of features: those of some bones' angles in the pose itself (the first hold), or of their lags. */
-std::vector<uint8_t> anglesOf(const MotionModeData& motion, std::span<const JointData> joints, const Bones& bones) {
+enum class Features { Angles, Peaks, Lags };  // of the pose itself (the first hold); held by the other holds; what lags
+
+/** Flags of features: those of a kind that tell of some bones. */
+std::vector<uint8_t> featuresOf(Features kind, const MotionModeData& motion, std::span<const JointData> joints, const Bones& bones) {
+    const size_t angles = motion.inputCount(), held = motion.heldCount();
+    const size_t first = kind == Features::Angles ? 0 : kind == Features::Peaks ? angles : held;
+    const size_t end = kind == Features::Angles ? angles : kind == Features::Peaks ? held : motion.featureCount();
     std::vector<uint8_t> counts(motion.featureCount(), 0);
-    for (size_t i = 1; i < motion.inputCount(); ++i) counts[i] = isOneOf(joints[motion.joints[i - 1]].humanoidBone, bones);
+    for (size_t i = first; i < end; ++i)
+        if (const auto joint = jointOfFeature(motion, i)) counts[i] = isOneOf(joints[motion.joints[*joint]].humanoidBone, bones);
     return counts;
 }
-std::vector<uint8_t> lagsOf(const MotionModeData& motion, std::span<const JointData> joints, const Bones& bones) {
-    std::vector<uint8_t> counts(motion.featureCount(), 0);
-    for (size_t i = motion.heldCount(); i < counts.size(); ++i)
-        counts[i] = isOneOf(joints[motion.joints[*jointOfFeature(motion, i)]].humanoidBone, bones);
-    return counts;
+
+/** The range of a group's columns in MotionModeData::modes. */
+std::pair<size_t, size_t> modesOf(const MotionModeData& motion, size_t group) {
+    size_t first = 0;
+    for (size_t g = 0; g < group; ++g) first += motion.groups[g].columnCount;
+    const size_t row = motion.featureCount();
+    return {first * row, (first + motion.groups[group].columnCount) * row};
 }
 
 /** The joints of a group's columns, as flags of MotionModeData::joints. */
 std::vector<uint8_t> heardJoints(const MotionModeData& motion, size_t group) {
-    size_t first = 0;
-    for (size_t g = 0; g < group; ++g) first += motion.groups[g].columnCount;
-    const size_t row = motion.featureCount();
+    const auto [first, end] = modesOf(motion, group);
     std::vector<uint8_t> heard(motion.joints.size(), 0);
-    for (size_t i = first * row; i < (first + motion.groups[group].columnCount) * row; ++i)
-        if (const auto joint = jointOfFeature(motion, i % row); joint && motion.modes[i] != 0) heard[*joint] = 1;
+    for (size_t i = first; i < end; ++i)
+        if (const auto joint = jointOfFeature(motion, i % motion.featureCount()); joint && motion.modes[i] != 0) heard[*joint] = 1;
     return heard;
+}
+
+/** Whether times tell in which order the pictures of a film came. */
+bool knowsOrder(std::span<const double> timesS) {
+    return !timesS.empty() && std::ranges::min(timesS) < std::ranges::max(timesS);
 }
 
 /** Whether a film shows enough pictures a second to tell lags. */
@@ -156,13 +167,22 @@ bool isDense(std::span<const double> timesS, double perSecond) {
 
 }  // namespace
 
+bool isOfPeaks(const MotionModeData& motion, size_t group) {
+    const auto [first, end] = modesOf(motion, group);
+    for (size_t i = first; i < end; ++i)
+        if (const size_t feature = i % motion.featureCount();
+            motion.modes[i] != 0 && feature >= motion.inputCount() && feature < motion.heldCount() && jointOfFeature(motion, feature))
+            return true;
+    return false;
+}
+
 size_t hasMoved(const MotionModeData& motion) {
     return (motion.holdsS.size() - 1) * motion.inputCount();
 }
 
 void rememberFilm(const MotionModeData& motion, std::span<const double> timesS, std::span<Pose> poses) {
     for (Pose& pose : poses) pose.before = {};
-    if (poses.empty() || std::ranges::min(timesS) == std::ranges::max(timesS)) return;  // nobody knows in which order they came
+    if (!knowsOrder(timesS)) return;
     std::vector<size_t> order(poses.size());
     std::iota(order.begin(), order.end(), size_t(0));
     std::ranges::stable_sort(order, {}, [&](size_t i) { return timesS[i]; });
@@ -184,6 +204,7 @@ Result<MotionModeData> motionModel(std::span<const JointData> joints, std::span<
     for (const uint32_t joint : motion.joints) motion.still.push_back(meanRotation(stillPoses, joint));
     motion.rangeRad.resize(motion.joints.size());
     motion.holdsS = settings.holdsS;
+    if (!knowsOrder(timesS)) motion.holdsS.resize(1);  // nothing would be held, so all holds would tell the same
     if (isDense(timesS, settings.lagPosesPerS)) motion.lagsS = settings.lagsS;
     setRanges(stillPoses, movingPoses, settings, motion);
     std::vector<Pose> film(movingPoses.begin(), movingPoses.end());
@@ -194,9 +215,8 @@ Result<MotionModeData> motionModel(std::span<const JointData> joints, std::span<
     if (moved.size() < 2 || double(moved.size()) < settings.minMovedShare * double(movingPoses.size())) return MotionModeData{};
     motion.groups.emplace_back();
     addColumn(Eigen::VectorXd::Unit(Eigen::Index(motion.featureCount()), Eigen::Index(hasMoved(motion))), motion);
-    for (const Bones& bones : kLimbs) addComponents(anglesOf(motion, joints, bones), moved, settings, motion);
-    if (!motion.lagsS.empty())
-        for (const Bones& bones : kLimbs) addComponents(lagsOf(motion, joints, bones), moved, settings, motion);
+    for (const Features kind : {Features::Angles, Features::Peaks, Features::Lags})
+        for (const Bones& bones : kLimbs) addComponents(featuresOf(kind, motion, joints, bones), moved, settings, motion);
     return motion;
 }
 

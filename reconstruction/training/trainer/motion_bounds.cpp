@@ -29,19 +29,21 @@ MotionBounds::MotionBounds(std::span<const JointData> joints, const MeshData& me
 void MotionBounds::apply(PoseCorrectiveData& c) const {
     const size_t columns = c.columnCount();
     size_t first = c.modeCount;
-    for (size_t g = 0; g < c.motion.groups.size(); first += c.motion.groups[g++].columnCount)
+    for (size_t g = 0; g < c.motion.groups.size(); first += c.motion.groups[g++].columnCount) {
+        const float strain = g == 0 ? priors::kMovedStrain : isOfPeaks(c.motion, g) ? priors::kPeakStrain : priors::kComponentStrain;
         for (size_t i = first; i < first + c.motion.groups[g].columnCount; ++i) {
             for (size_t n = 0; n < heard_.size(); ++n)
                 if (Vec4f& value = c.nodes[n * columns + i]; !(heard_[n] >> g & 1)) value = Vec4f(0, 0, 0, value.w);
             for (const auto& [a, b, distance] : neighbours_) {
                 Vec4f &one = c.nodes[a * columns + i], &other = c.nodes[b * columns + i];
                 const Vec3f apart = Vec3f(other) - Vec3f(one);
-                const float most = (g == 0 ? priors::kMovedStrain : priors::kComponentStrain) * distance, length = glm::length(apart);
+                const float most = strain * distance, length = glm::length(apart);
                 if (!(length > most)) continue;
                 const Vec4f half(0.5f * (1 - most / length) * apart, 0);
                 one += half, other -= half;
             }
         }
+    }
 }
 
 }  // namespace dpl

@@ -158,6 +158,16 @@ TEST(MotionModel, holdsPeaksAndTheMoveItselfAlongAFilm) {
     EXPECT_EQ(film[0].before, MotionMemory());
     EXPECT_EQ(settled(*model, film[0])[0], 0) << "nobody has moved before the film";
     EXPECT_GT(settled(*model, film[20])[0], 0.8) << "back in the still pose, but it has moved";
+    ASSERT_EQ(model->groups.size(), 3u) << "moved, the arm's angles, the arm's peaks";
+    EXPECT_FALSE(isOfPeaks(*model, 0) || isOfPeaks(*model, 1));
+    EXPECT_TRUE(isOfPeaks(*model, 2));
+    Pose anew = film[20];
+    anew.before = {};
+    const std::vector<float> held = settled(*model, film[20]), forgotten = settled(*model, anew);
+    const size_t peaks = 1 + model->groups[1].columnCount;
+    double most = 0;
+    for (size_t i = peaks; i < held.size(); ++i) most = std::max(most, std::abs(double(held[i]) - double(forgotten[i])));
+    EXPECT_GT(most, 0.3) << "the arm hangs again, and the cloth knows how high it was";
     for (const Pose& pose : standing(20))
         for (const float k : settled(*model, pose)) EXPECT_EQ(k, 0);
     std::vector<Pose> shuffled = moving(40);
@@ -167,6 +177,10 @@ TEST(MotionModel, holdsPeaksAndTheMoveItselfAlongAFilm) {
     for (size_t i = 0; i < film.size(); ++i) EXPECT_EQ(shuffled[39 - i].before, film[i].before) << i;
     rememberFilm(*model, std::vector<double>(40, 3.0), film);
     for (const Pose& pose : film) EXPECT_EQ(pose.before, MotionMemory()) << "no order is known";
+    const auto unordered = motionModel(armJoints(), standing(20), moving(40), std::vector<double>(40, 3.0));
+    ASSERT_TRUE(unordered);
+    EXPECT_EQ(unordered->holdsS, (std::vector<float>{0})) << "and nothing is held that would only repeat the pose";
+    EXPECT_EQ(unordered->groups.size(), 2u);
 }
 
 TEST(MotionModel, aDenseFilmTellsLags) {

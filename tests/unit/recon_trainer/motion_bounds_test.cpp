@@ -91,5 +91,24 @@ TEST(MotionBounds, neighboursConvergeToABoundedStrainAndThenRest) {
     }
 }
 
+TEST(MotionBounds, heldPeaksStrainLessThanThePoseTheyAddTo) {
+    PoseCorrectiveData c = stripCorrectives(3);
+    MotionModeData m = c.motion;
+    m.holdsS = {0, 6};
+    m.modes = {0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 0, 0, 0, 0, 0, 1, 0};  // has moved, by the hold; the leg's angle; what is held of it
+    c.motion = m;
+    const MotionBounds bounds(legAndArm(), strip(), c);
+    for (int sweep = 0; sweep < 200; ++sweep) bounds.apply(c);
+    float angle = 0, peak = 0;
+    for (uint32_t n = 6; n + 1 < kNodes; ++n) {
+        const auto strain = [&](uint32_t column) {
+            return glm::length(Vec3f(c.nodes[n * 4 + column]) - Vec3f(c.nodes[(n + 1) * 4 + column])) / 0.03f;
+        };
+        angle = std::max(angle, strain(2)), peak = std::max(peak, strain(3));
+    }
+    EXPECT_GT(peak, 0);
+    EXPECT_LT(peak, 0.6f * angle);
+}
+
 }  // namespace
 }  // namespace dpl::test
