@@ -40,6 +40,11 @@ double clipDurationS(const ClipData& clip) {
     return clip.timesS.empty() ? 0.0 : double(clip.timesS.back()) - double(clip.timesS.front());
 }
 
+double loopedTimeS(const ClipData& clip, double timeS) {
+    const double durationS = clipDurationS(clip);
+    return durationS > 0 ? timeS - std::floor(timeS / durationS) * durationS : 0.0;
+}
+
 Pose samplePose(const ClipData& clip, std::span<const JointData> joints, double timeS) {
     Pose pose;
     samplePose(clip, joints, timeS, pose);

@@ -17,6 +17,9 @@ Status checkClip(const ClipData& clip, std::span<const JointData> joints);
 /** Last time minus first, seconds. */
 double clipDurationS(const ClipData& clip);
 
+/** `timeS` wrapped around into the clip; 0 if the clip lasts no time. */
+double loopedTimeS(const ClipData& clip, double timeS);
+
 /** The pose `timeS` seconds after the first key. Rotations are interpolated by slerp along the shorter arc. Before the first and after the
  *  last key the pose is held. Joints without a channel stay at rest. The clip must have passed checkClip. */
 Pose samplePose(const ClipData& clip, std::span<const JointData> joints, double timeS);

@@ -10,7 +10,7 @@
 namespace dpl {
 namespace {
 
-constexpr float kTracked = 0.5f, kFarthestM = 1000, kFarthestNumber = 1e5f, kLeastLength = 1e-3f;
+constexpr float kTracked = 0.5f, kFarthestM = 1000, kFarthestNumber = 1e5f, kLeastQuaternion = 1e-3f;
 constexpr size_t kManyFar = 4;  // joints beyond kFarthestM: no stray ones
 constexpr float kShortestPalmM = 0.03f, kLongestPalmM = 0.2f, kPalmInOtherUnits = 2;
 
@@ -208,7 +208,7 @@ Status TrackSource::clean(const TrackFrame& frame, CleanFrame& out) const {
             if (!isUsable(r, 4, 1e6f)) continue;
             const Quatf q(r[3], r[0], r[1], r[2]);
             const float length = glm::length(q);
-            if (!(length > kLeastLength)) continue;
+            if (!(length > kLeastQuaternion)) continue;
             out.rotations[j] = q / length;
         }
         out.positions[j] = Vec3f(p[0], p[1], p[2]);
