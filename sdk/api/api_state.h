@@ -7,6 +7,7 @@
 #include <memory>
 #include <mutex>
 #include <new>
+#include <optional>
 #include <shared_mutex>
 #include <string>
 #include <unordered_map>
@@ -20,6 +21,8 @@
 #include "sdk/format/avatar_data.h"
 #include "sdk/include/doppel/doppel.h"
 #include "sdk/motion/clip_memory.h"
+#include "sdk/motion/clip_mix.h"
+#include "sdk/motion/gaze.h"
 #include "sdk/motion/motion_clock.h"
 
 namespace dpl::api {
@@ -58,7 +61,7 @@ struct Avatar {
     Mat3d loadedFromFile{1};  // how loading turned general splats
     RenderAvatarId renderId = 0;
     Vec3f restMin{0}, restMax{0};
-    Pose pose, givenPose;                                          // givenPose: scratch of dplSetPose
+    Pose pose, givenPose;                                          // givenPose: scratch of dplSetPose and dplSetPoseFromClips
     MotionClock clock;                                             // of `pose`
     uint32_t drawnViews = 0, drawnWidthPx = 0, drawnHeightPx = 0;  // of the last frame that belongs to this avatar; 0 views: none
     bool drawnDepth = false, drawnMeshDepth = false;
@@ -67,7 +70,10 @@ struct Avatar {
     std::vector<std::unique_ptr<ClipData>> added;  // by dplLoadClip
     std::vector<const ClipData*> clips;            // of the file, then of `added`
     std::vector<ClipMemory> clipMemories;          // of `clips`
-    std::vector<Mat3x4f> transforms;               // scratch of dplGetJointPositions and dplGetNearestDistance
+    ClipMix mix;                                   // keeps the memory of dplSetPoseFromClips
+    std::vector<ClipLayer> layers;                 // scratch of dplSetPoseFromClips
+    std::optional<GazeJoints> gazeJoints;          // found by the first dplLookAtPoint
+    std::vector<Mat3x4f> transforms;               // scratch of dplGetJointPositions, dplGetNearestDistance and dplLookAtPoint
     PoseTrust trust;                               // scratch of dplGetPoseTrust
     FrameStats stats;                              // result of the last dplGetFrameStats
     ~Avatar();
@@ -125,6 +131,9 @@ void setDetailOfDraw(Context& context, Avatar& first);
 /** InvalidArgument for general splats, which have no joints. */
 Status checkPosable(const Avatar& avatar);
 
+/** Clip `clip` of the avatar, whose context must be locked. NotFound: there is none. */
+Result<const ClipData*> clipOf(const Avatar& avatar, uint32_t clip);
+
 /** Stores the error for dplGetLastError, logs it if it is a caller's mistake (InvalidArgument), and returns its public code. */
 DplResult report(const char* function, const Error& error) noexcept;
 
@@ -156,6 +165,15 @@ Result<T> readStruct(const void* from, const char* what, size_t smallest = sizeo
         return fail(Code::InvalidArgument, "structSize of {} is {}; set it to sizeof the struct ({})", what, size, sizeof(T));
     T value{};
     std::memcpy(&value, from, std::min<size_t>(size, sizeof(T)));
+    return value;
+}
+
+/** Element i of a caller's array, whose stride is the structSize of element 0. `smallest`: size of its first version. */
+template <class T>
+Result<T> element(const T* array, size_t i, const char* what, size_t smallest = sizeof(T)) {
+    DPL_TRY(const T first, readStruct<T>(array, what, smallest));
+    DPL_TRY(const T value, readStruct<T>(reinterpret_cast<const uint8_t*>(array) + i * first.structSize, what, smallest));
+    if (value.structSize != first.structSize) return fail(Code::InvalidArgument, "elements of {} have different structSize", what);
     return value;
 }
 

@@ -9,15 +9,10 @@
 using namespace dpl;
 using namespace dpl::api;
 
-namespace {
-
-/** The context's mutex must be held. */
-Result<const ClipData*> clipOf(const Avatar& avatar, uint32_t clip) {
+Result<const ClipData*> dpl::api::clipOf(const Avatar& avatar, uint32_t clip) {
     if (clip < avatar.clips.size()) return avatar.clips[clip];
     return fail(Code::NotFound, "there is no clip {}; the avatar has {}", clip, avatar.clips.size());
 }
-
-}  // namespace
 
 extern "C" {
 
@@ -41,9 +36,7 @@ DplResult dplSetPoseFromClip(DplAvatar avatar, uint32_t clip, double timeS, int 
         DPL_RETURN_IF_ERROR(checkPosable(*found));
         std::lock_guard lock(found->context->mutex);
         DPL_TRY(const ClipData* data, clipOf(*found, clip));
-        const double duration = clipDurationS(*data);
-        double t = timeS;
-        if (loop != DPL_FALSE && duration > 0) t -= std::floor(t / duration) * duration;
+        const double t = loop != DPL_FALSE ? loopedTimeS(*data, timeS) : timeS;
         samplePose(*data, found->data->joints, t, found->pose);
         found->pose.before = found->clipMemories[clip].at(t, loop != DPL_FALSE);
         found->clock.setUntimed();

@@ -9,15 +9,6 @@
 
 namespace dpl::api {
 
-/** Element i of a caller's array, whose stride is the structSize of element 0. `smallest`: size of its first version. */
-template <class T>
-Result<T> element(const T* array, size_t i, const char* what, size_t smallest = sizeof(T)) {
-    DPL_TRY(const T first, readStruct<T>(array, what, smallest));
-    DPL_TRY(const T value, readStruct<T>(reinterpret_cast<const uint8_t*>(array) + i * first.structSize, what, smallest));
-    if (value.structSize != first.structSize) return fail(Code::InvalidArgument, "elements of {} have different structSize", what);
-    return value;
-}
-
 /** Context, avatars and scene depths of a drawing call. Locks the context for its lifetime. */
 struct Scene {
     std::shared_ptr<Context> context;

@@ -139,7 +139,6 @@ Status ClipMix::mix(std::span<const ClipLayer> layers, std::span<const JointData
         }
         begin = end;
     }
-    pose.before = {};
     return {};
 }
 

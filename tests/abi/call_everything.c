@@ -56,6 +56,8 @@ static void callPoses(DplAvatar avatar, uint32_t joints) {
     DplClipInfo clip = {0};
     DplJointInfo joint = {0};
     DplFileAxes axes = {0};
+    DplClipLayer layers[2] = {{0}, {0}};
+    DplGaze gaze = {0};
     static uint8_t state[8192];
     size_t stateSize = 0;
     uint32_t added = 99, found = 99, j;
@@ -96,6 +98,20 @@ static void callPoses(DplAvatar avatar, uint32_t joints) {
     OK(dplSetPoseFromClip(avatar, added, 0.5, DPL_FALSE));
     OK(dplGetPose(avatar, read, joints, NULL));
     CHECK(memcmp(read, rotations, joints * 16) != 0);
+    for (j = 0; j < 2; ++j) layers[j].structSize = sizeof layers[j], layers[j].clip = added, layers[j].timeS = 0.25, layers[j].weight = 1;
+    layers[1].timeS = 0.5, layers[1].flags = DPL_LAYER_LOOP;
+    OK(dplJoinClipLayer(avatar, &layers[0], &layers[1]));
+    CHECK(fabsf(layers[1].headingRad) < 0.1f);
+    OK(dplSetPoseFromClips(avatar, layers, 2, 6000000000));
+    layers[0].weight = layers[1].weight = 0;
+    CHECK(dplSetPoseFromClips(avatar, layers, 2, 6000000000) == DPL_ERROR_INVALID_ARGUMENT);
+    OK(dplFindJoint(avatar, "head", &found));
+    OK(dplGetPose(avatar, read, joints, NULL));
+    gaze.structSize = sizeof gaze, gaze.target[0] = 2, gaze.target[1] = 1.6f, gaze.target[2] = 1;
+    gaze.headWeight = 0.7f, gaze.eyeWeight = 1;
+    OK(dplLookAtPoint(avatar, &gaze));
+    OK(dplGetPose(avatar, rotations, joints, NULL));
+    CHECK(rotations[4 * found + 1] > read[4 * found + 1] + 0.1f);
 }
 
 static void callTracker(DplAvatar avatar) {

@@ -43,6 +43,8 @@ int main(void) {
         CHECK(sizeof(DplJointInfo) == 40 && offsetof(DplJointInfo, restPosition) == 28);
         CHECK(sizeof(DplClipInfo) == 32 && offsetof(DplClipInfo, durationS) == 16);
         CHECK(sizeof(DplClipOptions) == 32 && offsetof(DplClipOptions, animation) == 16 && offsetof(DplClipOptions, animationName) == 24);
+        CHECK(sizeof(DplClipLayer) == 40 && offsetof(DplClipLayer, timeS) == 8 && offsetof(DplClipLayer, shiftM) == 32);
+        CHECK(sizeof(DplGaze) == 40 && offsetof(DplGaze, headWeight) == 16 && offsetof(DplGaze, eyeLimitRad) == 32);
         CHECK(sizeof(DplDetail) == 12);
         CHECK(sizeof(DplCaptureDetail) == 52 && offsetof(DplCaptureDetail, views) == 36);
         CHECK(sizeof(DplPoseTrust) == 24 && offsetof(DplPoseTrust, farthestJoint) == 16);
@@ -65,7 +67,7 @@ int main(void) {
     }
     CHECK(sizeof(DplResult) == 4 && sizeof(DplRenderer) == 4 && sizeof(DplFill) == 4 && sizeof(DplDrawFlag) == 4 &&
           sizeof(DplImageFormat) == 4 && sizeof(DplBudgetState) == 4 && sizeof(DplLoadState) == 4 && sizeof(DplTrackFormat) == 4 &&
-          sizeof(DplTrackerFlag) == 4 && sizeof(DplTrackerState) == 4);
+          sizeof(DplTrackerFlag) == 4 && sizeof(DplTrackerState) == 4 && sizeof(DplLayerFlag) == 4);
 
     CHECK(sizeof(DplClipDepth) == 4 && sizeof(DplAxes) == 4 && dplSecondsBetween(1, 1000000001) == 1);
     CHECK(dplWritePng(NULL, junk, 1, 1) == DPL_ERROR_INVALID_ARGUMENT && dplWritePng("", junk, 0, 1) == DPL_ERROR_INVALID_ARGUMENT);

@@ -426,6 +426,70 @@ typedef struct DplClipOptions {
  *  or too few bones in common; the text lists joints. DPL_ERROR_INVALID_ARGUMENT: general splats, which have no joints. */
 DPL_API DplResult dplLoadClip(DplAvatar avatar, const uint8_t* data, size_t size, const DplClipOptions* options, uint32_t* clip);
 
+/* ---------------------------------------------------------------- several clips, and looking at a point */
+
+/* Walk and wave: layers of clips are mixed into one pose. The program says at each picture which clips play, at which time and with which
+ * weight; doppel::Player of doppel.hpp does so for play, pause, speed, loops and cross-fades. Formulas: docs/reference/mixing.md. */
+
+/** Flags of DplClipLayer. */
+typedef enum DplLayerFlag {
+    DPL_LAYER_LOOP = 1, /**< the time wraps around; otherwise it is clamped to the clip */
+    /** With DPL_LAYER_LOOP: each round starts where the root stood at the end of the round before, so a recorded walk goes on. */
+    DPL_LAYER_TRAVEL = 2,
+    DPL_LAYER_FORCE_INT32 = 0x7fffffff
+} DplLayerFlag;
+
+#define DPL_MAX_CLIP_LAYERS 64u /**< layers in one mix */
+
+/** A clip within a mix. Experimental. */
+typedef struct DplClipLayer {
+    uint32_t structSize;
+    uint32_t clip;  /**< 0 to clipCount - 1 of the avatar */
+    double timeS;   /**< seconds from the start of the clip */
+    float weight;   /**< 0 or more */
+    uint32_t joint; /**< the layer moves this joint and all below it (dplFindJoint); 0: the whole body, and where it stands */
+    uint32_t flags; /**< DplLayerFlag, combined by | */
+    /** Moves the whole clip: it is turned about the vertical (a quarter turn takes +Z to +X), then shifted along x and z, metres.
+     *  dplJoinClipLayer finds them. All 0: as it is. */
+    float headingRad;
+    float shiftM[2];
+} DplClipLayer;
+
+/** Poses the avatar by a mix of 1 to DPL_MAX_CLIP_LAYERS layers for a picture that is shown at timeNs. Clothes remember by these times, as
+ *  with dplSetPoseAtTime. The pose is a function of the layers alone: one layer of the whole body gives what dplSetPoseFromClip does.
+ *  Layers of the same joint that follow one another cross-fade: each counts by its share of their weights. Those of the whole body
+ *  (joint 0) come first. Layers after them replace their part of the body by the sum of their weights, at most 1, so a wave of weight 1 on
+ *  "rightUpperArm" hides the walk there, and one of 0.5 meets it halfway. Joints turn the shorter way.
+ *  DPL_ERROR_NOT_FOUND: no such clip or joint. A clip is of the avatar that loaded it: load it onto each avatar that plays it.
+ *  DPL_ERROR_INVALID_ARGUMENT: a number that is not finite, a weight below 0, weights of the whole body that sum to 0, unknown flags,
+ *  general splats. The text names the layer by its number; the previous pose stays. */
+DPL_EXPERIMENTAL DplResult dplSetPoseFromClips(DplAvatar avatar, const DplClipLayer* layers, uint32_t layerCount, int64_t timeNs);
+
+/** Sets headingRad and shiftM of `layer` so that it goes on from `before`: the root stands at the same place, each layer at its own timeS,
+ *  and faces alike in the mean of the second around it. For a cross-fade of two recorded walks. Other fields stay, and so does the pose.
+ *  Errors as dplSetPoseFromClips. */
+DPL_EXPERIMENTAL DplResult dplJoinClipLayer(DplAvatar avatar, const DplClipLayer* before, DplClipLayer* layer);
+
+/** How an avatar looks at a point. Experimental. */
+typedef struct DplGaze {
+    uint32_t structSize;
+    float target[3];  /**< metres, in the space of the avatar's pose: +Z ahead at rest */
+    float headWeight; /**< 0 to 1: the part of the way to the target that neck and head take together; 0.7 is usual */
+    float eyeWeight;  /**< 0 to 1: the part of what is left that the eyes take; 1 is usual. Without joints of eyes: ignored */
+    /** Most that neck and head turn away from straight ahead of the trunk, to the left or right, and up or down; 0: 1.05 and 0.7 rad. */
+    float headLimitRad[2];
+    float eyeLimitRad[2]; /**< the same of the eyes, from straight ahead of the head; 0: 0.6 and 0.4 rad */
+} DplGaze;
+
+/** Turns neck, head and eyes of the current pose towards a point. Call it once after each function that poses the avatar, before drawing:
+ *  a second call turns farther. It is smooth in target and weights, so fade it by the weights. Turns approach their limits smoothly. From
+ *  115 degrees off straight ahead the gaze fades, and a target straight behind leaves the pose as it is, so nothing flips. What clothes
+ *  remember and the time of the pose stay.
+ *  DPL_ERROR_UNSUPPORTED: no joint is known as the head; the text lists all. DPL_ERROR_INVALID_ARGUMENT: a number that is not finite, a
+ *  weight outside 0 to 1, a limit below 0 or above 90 degrees, general splats, or a target within 0.12 m of the line from the neck to
+ *  between the eyes, as the avatar's own neck is; the gaze has faded to nothing there. The pose then stays. */
+DPL_EXPERIMENTAL DplResult dplLookAtPoint(DplAvatar avatar, const DplGaze* gaze);
+
 /* ---------------------------------------------------------------- driving from trackers */
 
 /* A tracker turns what a platform tells of a person into poses of one avatar.

@@ -18,6 +18,7 @@
 #else  // without the rest of this header, whose errors would hide that one
 
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <memory>
 #include <optional>
@@ -169,6 +170,23 @@ inline Result<const char*> trackJointName(DplTrackFormat format, uint32_t joint)
     return name;
 }
 
+/** How Avatar::lookAtPoint looks; see DplGaze. Its weights are the usual ones. */
+struct Gaze : DplGaze {
+    /** targetM: metres, in the space of the avatar's pose. */
+    explicit Gaze(const std::array<float, 3>& targetM) : DplGaze{} {
+        structSize = sizeof(DplGaze), headWeight = 0.7f, eyeWeight = 1;
+        for (size_t axis = 0; axis < 3; ++axis) target[axis] = targetM[axis];
+    }
+};
+
+/** A layer for Avatar::setPoseFromClips; see DplClipLayer. */
+inline DplClipLayer clipLayer(uint32_t clip, double timeS, float weight = 1, uint32_t joint = 0, uint32_t flags = DPL_LAYER_LOOP) {
+    DplClipLayer layer{};
+    layer.structSize = sizeof layer, layer.clip = clip, layer.timeS = timeS;
+    layer.weight = weight, layer.joint = joint, layer.flags = flags;
+    return layer;
+}
+
 /** Owns one avatar, which it destroys. Move-only: construction by move leaves the source empty, assignment by move swaps. */
 class Avatar {
 public:
@@ -233,6 +251,17 @@ public:
         if (const DplResult r = dplLoadClip(handle_, bytes.data(), bytes.size(), options, &index); r != DPL_OK) return lastError(r);
         return index;
     }
+    /** Mixes clips for a picture that is shown at timeNs, ns of any one clock: cross-fades, and layers over a part of the body. See
+     *  dplSetPoseFromClips; Player makes layers. */
+    Status setPoseFromClips(std::span<const DplClipLayer> layers, int64_t timeNs) {
+        return status(dplSetPoseFromClips(handle_, layers.data(), uint32_t(layers.size()), timeNs));
+    }
+    /** Moves `layer` so that it goes on from where `before` stands; see dplJoinClipLayer. */
+    Status joinClipLayer(const DplClipLayer& before, DplClipLayer& layer) const {
+        return status(dplJoinClipLayer(handle_, &before, &layer));
+    }
+    /** Turns neck, head and eyes of the current pose towards a point. Once after each pose, before drawing; see dplLookAtPoint. */
+    Status lookAtPoint(const DplGaze& gaze) { return status(dplLookAtPoint(handle_, &gaze)); }
     /** How far the current pose lies from the training poses. distances: one for each joint, or empty. */
     Result<DplPoseTrust> poseTrust(std::span<float> distances = {}) const {
         DplPoseTrust trust{};
@@ -298,6 +327,105 @@ private:
     }
     DplContext context_ = nullptr;
     DplAvatar handle_ = nullptr;
+};
+
+/** How Player::play plays a clip. */
+struct Playback {
+    double speed = 1;     // of the clip's own time; below 0: backwards
+    double fadeS = 0.3;   // within which the clip takes over from what played before, seconds; 0: at once
+    double fromS = 0;     // where the clip starts
+    bool loop = true;     // otherwise it holds its last pose
+    bool travel = false;  // recorded walks go on from where the person stands, in each round and from clip to clip
+};
+
+/** Play, pause, speed, loops and cross-fades of clips of one avatar, as layers for Avatar::setPoseFromClips. Times are nanoseconds of any
+ * one clock; the layers are a function of the calls and of the time that is asked for, so every picture rate gives the same motion. A
+ * Player of a part of the body, such as a waving arm, plays over that of the whole body: append its layers. Holds no handle; one thread at
+ * a time. */
+class Player {
+public:
+    /** joint: the clips move this joint and all below it; 0: the whole body. */
+    explicit Player(uint32_t joint = 0) : joint_(joint) {}
+
+    /** Cross-fades to a clip. DPL_ERROR_NOT_FOUND: no such clip. An error changes nothing. */
+    Status play(const Avatar& avatar, uint32_t clip, int64_t nowNs, const Playback& how = {}) {
+        if (auto known = avatar.clip(clip); !known) return known.error();
+        if (!std::isfinite(how.speed) || !std::isfinite(how.fromS) || !std::isfinite(how.fadeS) || how.fadeS < 0)
+            return Error{DPL_ERROR_INVALID_ARGUMENT, "speed, fromS and fadeS of a clip must be finite, and fadeS not below 0"};
+        const uint32_t loop = how.loop ? DPL_LAYER_LOOP : 0, travel = how.travel ? DPL_LAYER_TRAVEL : 0;
+        setRate(nowNs, rate_);
+        Voice next{clipLayer(clip, how.fromS, 1, joint_, loop | travel), clockS_, how.fadeS, clockS_, how.speed, true};
+        if (how.travel && joint_ == 0 && !voices_.empty()) {
+            DplClipLayer before = voices_.back().layer;
+            before.timeS = voices_.back().timeS(clockS_);
+            if (Status joined = avatar.joinClipLayer(before, next.layer); !joined) return joined;
+        }
+        voices_.push_back(next);
+        return {};
+    }
+    /** Fades out within fadeS, of a part of the body: what plays beneath is left. The whole body always plays something. */
+    Status stop(int64_t nowNs, double fadeS = 0.3) {
+        if (joint_ == 0) return Error{DPL_ERROR_INVALID_ARGUMENT, "nothing plays beneath the whole body: pause it, or play another clip"};
+        if (!std::isfinite(fadeS) || fadeS < 0) return Error{DPL_ERROR_INVALID_ARGUMENT, "fadeS must be finite and not below 0"};
+        if (!voices_.empty()) voices_.push_back({clipLayer(0, 0, 1, joint_), clockS(nowNs), fadeS, 0, 0, false});
+        return {};
+    }
+    /** Clips and fades stand still until resume(), also those that are played meanwhile. */
+    void pause(int64_t nowNs) { setRate(nowNs, 0); }
+    void resume(int64_t nowNs) { setRate(nowNs, 1); }
+    bool paused() const { return rate_ == 0; }
+    /** Of the clip that was played last, from now on. DPL_ERROR_INVALID_ARGUMENT: not finite. */
+    Status setSpeed(double speed, int64_t nowNs) {
+        if (!std::isfinite(speed)) return Error{DPL_ERROR_INVALID_ARGUMENT, "the speed must be finite"};
+        if (voices_.empty()) return {};
+        Voice& last = voices_.back();
+        last.layer.timeS = last.timeS(clockS(nowNs)), last.sinceS = clockS(nowNs), last.speed = speed;
+        return {};
+    }
+
+    /** What plays at nowNs, valid until the next call; empty: nothing. Allocates nothing once as many clips have played at once. What has
+     *  faded out is forgotten, so a time before that gives no longer what it gave. */
+    std::span<const DplClipLayer> layers(int64_t nowNs) {
+        layers_.clear();
+        const double clock = clockS(nowNs);
+        double left = 1;  // of the weight, for what played before
+        for (size_t i = voices_.size(); i-- > 0 && left > 0 && layers_.size() < DPL_MAX_CLIP_LAYERS;) {
+            const double share = i == 0 && joint_ == 0 ? 1 : voices_[i].share(clock);
+            if (share == 1) voices_.erase(voices_.begin(), voices_.begin() + std::ptrdiff_t(i)), i = 0;
+            if (const double weight = left * share; voices_[i].sounds && weight > 0) {
+                layers_.push_back(voices_[i].layer);
+                layers_.back().timeS = voices_[i].timeS(clock), layers_.back().weight = float(weight);
+            }
+            left *= 1 - share;
+        }
+        return layers_;
+    }
+
+private:
+    /** A clip that plays, or silence that fades in. Times are those of the player's clock, which stands still in a pause. */
+    struct Voice {
+        DplClipLayer layer;  // timeS: at sinceS
+        double startS, fadeS, sinceS, speed;
+        bool sounds;
+
+        double timeS(double clock) const { return layer.timeS + (clock - sinceS) * speed; }
+        double share(double clock) const {
+            const double t = fadeS > 0 ? (clock - startS) / fadeS : 1;
+            return t >= 1 ? 1 : t <= 0 ? 0 : t * t * (3 - 2 * t);
+        }
+    };
+    double clockS(int64_t nowNs) const { return clockS_ + (rate_ == 0 ? 0 : dplSecondsBetween(sinceNs_, nowNs)); }
+    void setRate(int64_t nowNs, int rate) {
+        clockS_ = voices_.empty() ? 0 : clockS(nowNs);
+        sinceNs_ = nowNs, rate_ = rate;
+    }
+
+    uint32_t joint_;
+    std::vector<Voice> voices_;
+    std::vector<DplClipLayer> layers_;
+    double clockS_ = 0;  // at sinceNs_
+    int64_t sinceNs_ = 0;
+    int rate_ = 1;
 };
 
 /** Owns one load in the background, which it cancels unless it is finished. Move-only, as Avatar. */

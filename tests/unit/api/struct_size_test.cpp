@@ -116,6 +116,14 @@ TEST_F(StructSize, inputs) {
         if (r == DPL_OK) dplDestroyTracker(made);
         return r;
     });
+    const DplClipLayer layer{sizeof(DplClipLayer), 0, 0.5, 1, 0, DPL_LAYER_LOOP, 0, {0, 0}};
+    check<DplClipLayer>(
+        "DplClipLayer", [&](DplClipLayer& l) { l = layer; }, [&](DplClipLayer* s) { return dplSetPoseFromClips(person_, s, 1, 0); });
+    check<DplClipLayer>(
+        "DplClipLayer of dplJoinClipLayer", [&](DplClipLayer& l) { l = layer; },
+        [&](DplClipLayer* s) { return dplJoinClipLayer(person_, &layer, s); });
+    check<DplGaze>(
+        "DplGaze", [](DplGaze& g) { g.target[2] = 3, g.headWeight = 1; }, [&](DplGaze* s) { return dplLookAtPoint(person_, s); });
     check<DplDetail>("DplDetail", nothing<DplDetail>,
                      [&](DplDetail* s) { return s ? dplSetDetail(context_, s) : DPL_ERROR_INVALID_ARGUMENT; });
     std::vector<uint8_t> pixels(16 * 16 * 4);

@@ -3,10 +3,12 @@
 // allocation of the process, including those of libdoppel and its threads.
 #include <gtest/gtest.h>
 
+#include <array>
+
 #include "apps/bench/count_allocations.h"
 #include "sdk/format/avatar_file.h"
 #include "sdk/format/ply.h"
-#include "sdk/include/doppel/doppel.h"
+#include "sdk/include/doppel/doppel.hpp"
 #include "tests/reference/random_avatar.h"
 #include "tests/unit/format/sample_correctives.h"
 #include "tests/unit/render/tube_avatar.h"
@@ -139,6 +141,42 @@ void expectWarmFramesAreFree(DplRenderer renderer, DplFill fill = DPL_FILL_AUTO)
     EXPECT_EQ(dplDestroyAvatar(other), DPL_OK);
     EXPECT_EQ(dplDestroyAvatar(avatar), DPL_OK);
     EXPECT_EQ(dplDestroyContext(context), DPL_OK);
+}
+
+/** Mixes of a player's layers, and gazes, by pictures of 10 ms. Returns the number of allocations. */
+uint64_t mixFrames(doppel::Avatar& avatar, doppel::Player& player, int frames) {
+    AllocationCount count;
+    bool posed = true;
+    for (int frame = 0; frame < frames; ++frame) {
+        const int64_t nowNs = int64_t(frame) * 10'000'000;
+        const std::span<const DplClipLayer> playing = player.layers(nowNs);
+        std::array<DplClipLayer, 8> layers{};
+        std::copy(playing.begin(), playing.end(), layers.begin());
+        layers[playing.size()] = doppel::clipLayer(0, 0.01 * frame, 0.5f, 1);
+        posed = posed && avatar.setPoseFromClips(std::span(layers).first(playing.size() + 1), nowNs);
+        posed = posed && avatar.lookAtPoint(doppel::Gaze({std::sin(0.1f * float(frame)), 1, 2}));
+    }
+    const uint64_t allocations = count.stop();
+    EXPECT_TRUE(posed) << dplGetLastError();
+    return allocations;
+}
+
+TEST(WarmFrame, mixesAndGazesAllocateNothing) {
+    AvatarData tube = makeTube({.splatsPerTriangle = 4, .rings = 10});
+    tube.joints[1].humanoidBone = "head";
+    tube.clips = {{"sway", {0, 1}, {{1, {Quatf(1, 0, 0, 0), glm::angleAxis(0.8f, Vec3f(1, 0, 0))}}}, {Vec3f(0), Vec3f(0.1f, 0, 0)}}};
+    sortSplats(tube);
+    const auto bytes = writeAvatar(tube);
+    ASSERT_TRUE(bytes) << bytes.error().message;
+    auto context = doppel::Context::create(DPL_RENDERER_SOFTWARE, 1);
+    ASSERT_TRUE(context) << context.error().message;
+    auto avatar = context->loadAvatar(*bytes);
+    ASSERT_TRUE(avatar) << avatar.error().message;
+    doppel::Player player;
+    ASSERT_TRUE(player.play(*avatar, 0, 0, {.travel = true}));
+    ASSERT_TRUE(player.play(*avatar, 0, 0, {.fromS = 0.4}));
+    EXPECT_GT(mixFrames(*avatar, player, 4), 0u) << "the counter counts nothing";
+    EXPECT_EQ(mixFrames(*avatar, player, 60), 0u);
 }
 
 TEST(WarmFrame, allocatesAndWaitsForNothingOnTheCpu) {
