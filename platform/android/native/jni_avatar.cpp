@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Native methods of avatars: what they are, how they stand, what they cost.
+#include <algorithm>
+
 #include "platform/android/native/jni_help.h"
 
 namespace dpl::android {
@@ -173,6 +175,62 @@ jint loadClip(JNIEnv* env, jclass, jlong avatar, jobject buffer, jlong offset, j
     return check(env, dplLoadClip(avatarOf(avatar), bytes->data, bytes->size, &options, &clip)) ? jint(clip) : 0;
 }
 
+constexpr size_t kLayerNumbers = 8;
+
+/** The numbers of a layer as ClipLayer.kt has them: clip, timeS, weight, joint, flags, heading, shift along x and z. */
+DplClipLayer layerOf(const double* numbers) {
+    DplClipLayer layer{};
+    layer.structSize = sizeof layer;
+    layer.clip = uint32_t(int64_t(numbers[0])), layer.timeS = numbers[1], layer.weight = float(numbers[2]);
+    layer.joint = uint32_t(int64_t(numbers[3])), layer.flags = uint32_t(int64_t(numbers[4]));
+    layer.headingRad = float(numbers[5]), layer.shiftM[0] = float(numbers[6]), layer.shiftM[1] = float(numbers[7]);
+    return layer;
+}
+
+/** Nothing, and an exception: not kLayerNumbers a layer. */
+std::optional<std::vector<DplClipLayer>> layersOf(JNIEnv* env, jdoubleArray layers) {
+    const std::vector<double> numbers = doublesOf(env, layers);
+    if (numbers.size() % kLayerNumbers != 0) {
+        throwDoppel(env, DPL_ERROR_INVALID_ARGUMENT, "a layer of a mix has 8 numbers");
+        return std::nullopt;
+    }
+    std::vector<DplClipLayer> made;
+    for (size_t i = 0; i < numbers.size(); i += kLayerNumbers) made.push_back(layerOf(numbers.data() + i));
+    return made;
+}
+
+void setPoseFromClips(JNIEnv* env, jclass, jlong avatar, jdoubleArray layers, jlong timeNs) {
+    if (const auto made = layersOf(env, layers))
+        check(env, dplSetPoseFromClips(avatarOf(avatar), made->data(), uint32_t(made->size()), timeNs));
+}
+
+/** before, layer: one layer each; heading and shift of `layer` are written. */
+void joinClipLayer(JNIEnv* env, jclass, jlong avatar, jdoubleArray before, jdoubleArray layer) {
+    const auto first = layersOf(env, before);
+    if (!first) return;
+    auto second = layersOf(env, layer);
+    if (!second) return;
+    if (first->size() != 1 || second->size() != 1) return throwDoppel(env, DPL_ERROR_INVALID_ARGUMENT, "one layer is joined to one other");
+    if (!check(env, dplJoinClipLayer(avatarOf(avatar), first->data(), second->data()))) return;
+    std::vector<double> numbers = doublesOf(env, layer);
+    const DplClipLayer& joined = second->front();
+    numbers[5] = joined.headingRad, numbers[6] = joined.shiftM[0], numbers[7] = joined.shiftM[1];
+    write(env, layer, numbers);
+}
+
+/** gaze: the target, the weights of head and eyes, their limits. */
+void lookAtPoint(JNIEnv* env, jclass, jlong avatar, jfloatArray gaze) {
+    const std::vector<float> numbers = floatsOf(env, gaze);
+    if (numbers.size() != 9) return throwDoppel(env, DPL_ERROR_INVALID_ARGUMENT, "a gaze has 9 numbers");
+    DplGaze made{};
+    made.structSize = sizeof made;
+    std::copy_n(numbers.begin(), 3, made.target);
+    made.headWeight = numbers[3], made.eyeWeight = numbers[4];
+    std::copy_n(numbers.begin() + 5, 2, made.headLimitRad);
+    std::copy_n(numbers.begin() + 7, 2, made.eyeLimitRad);
+    check(env, dplLookAtPoint(avatarOf(avatar), &made));
+}
+
 /** trust: the shares and distances of DplPoseTrust, with the farthest joint as a number. distances: one for each joint, or null. */
 void poseTrust(JNIEnv* env, jclass, jlong avatar, jfloatArray trust, jfloatArray distances) {
     std::vector<float> values(distances ? size_t(env->GetArrayLength(distances)) : 0);
@@ -220,6 +278,9 @@ const std::vector<JNINativeMethod> kAvatarMethods = {
     method("clipDuration", "(JI)D", clipDuration),
     method("setPoseFromClip", "(JIDZ)V", setPoseFromClip),
     method("loadClip", "(JLjava/nio/ByteBuffer;JJILjava/lang/String;)I", loadClip),
+    method("setPoseFromClips", "(J[DJ)V", setPoseFromClips),
+    method("joinClipLayer", "(J[D[D)V", joinClipLayer),
+    method("lookAtPoint", "(J[F)V", lookAtPoint),
     method("poseTrust", "(J[F[F)V", poseTrust),
     method("holdPose", "(JF)V", holdPose),
     method("frameStats", "(J[J[D)V", frameStats),

@@ -59,6 +59,13 @@ std::vector<float> floatsOf(JNIEnv* env, jfloatArray array) {
     return values;
 }
 
+std::vector<double> doublesOf(JNIEnv* env, jdoubleArray array) {
+    if (!array) return {};
+    std::vector<double> values(size_t(env->GetArrayLength(array)));
+    env->GetDoubleArrayRegion(array, 0, jsize(values.size()), values.data());
+    return values;
+}
+
 void write(JNIEnv* env, jfloatArray array, const std::vector<float>& values) {
     if (array) env->SetFloatArrayRegion(array, 0, std::min(env->GetArrayLength(array), jsize(values.size())), values.data());
 }

@@ -32,6 +32,7 @@ final class JniTest {
         else System.out.println("no frame by Vulkan: draw_with_c found no device");
         test.avatarTellsWhatItIs();
         test.posesGoThereAndBack();
+        test.clipsAreMixedAndAHeadlessAvatarDoesNotLook();
         test.mistakesAreExceptions();
         test.everyTruncationIsAnException();
         test.handlesAreChecked();
@@ -101,6 +102,36 @@ final class JniTest {
         Native.setMotionState(avatar, state);
         expect(Arrays.equals(Native.motionState(avatar), state), "and comes back");
         expectError(DoppelException.INVALID_ARGUMENT, "motion state", "other bytes", () -> Native.setMotionState(avatar, new byte[9]));
+        Native.destroyAvatar(avatar);
+    }
+
+    private void clipsAreMixedAndAHeadlessAvatarDoesNotLook() {
+        long avatar = load();
+        float[] plain = new float[8];
+        float[] mixed = new float[8];
+        float[] root = new float[3];
+        Native.setPoseFromClip(avatar, 0, 0.5, true);
+        Native.getPose(avatar, plain, null);
+        double[] one = {0, 2.5, 1, 0, 1, 0, 0, 0}; // clip, time, weight, joint, loop, heading, shift
+        Native.setPoseFromClips(avatar, one, 5_000_000_000L);
+        Native.getPose(avatar, mixed, root);
+        expect(Arrays.equals(plain, mixed), "one layer is its clip");
+        double[] two = {0, 0.25, 1, 0, 1, 0, 3, 0, 0, 0.75, 1, 0, 1, 0, 3, 0};
+        Native.setPoseFromClips(avatar, two, 5_100_000_000L);
+        Native.getPose(avatar, mixed, root);
+        expect(Math.abs(mixed[1] - plain[1]) < 1e-6f && Math.abs(root[0] - 3) < 1e-6f, "the mean of two times, shifted");
+        double[] moved = {0, 0, 1, 0, 1, 0, 5, 7};
+        double[] joined = {0, 0, 1, 0, 1, 9, 9, 9};
+        Native.joinClipLayer(avatar, moved, joined);
+        expect(Math.abs(joined[5]) < 1e-6 && Math.abs(joined[6] - 5) < 1e-6 && Math.abs(joined[7] - 7) < 1e-6, "a layer is joined");
+        int invalid = DoppelException.INVALID_ARGUMENT;
+        expectError(invalid, "8 numbers", "half a layer", () -> Native.setPoseFromClips(avatar, new double[4], 0));
+        expectError(invalid, "NULL", "no layers", () -> Native.setPoseFromClips(avatar, new double[0], 0));
+        expectError(invalid, "one layer", "two layers joined to one", () -> Native.joinClipLayer(avatar, two, joined));
+        expectError(DoppelException.NOT_FOUND, "no clip 4294967295", "a clip below 0",
+                () -> Native.setPoseFromClips(avatar, new double[] {-1, 0, 1, 0, 0, 0, 0, 0}, 0));
+        expectError(invalid, "9 numbers", "a gaze that is too short", () -> Native.lookAtPoint(avatar, new float[3]));
+        expectError(DoppelException.UNSUPPORTED, "head", "an avatar without a head looks", () -> Native.lookAtPoint(avatar, new float[9]));
         Native.destroyAvatar(avatar);
     }
 

@@ -107,6 +107,32 @@ private class ApiTest(private val work: Path) {
         }
     }
 
+    fun clipsAreMixedAndAHeadTurns() {
+        DoppelContext.create(Renderer.SOFTWARE, 1).use { context ->
+            context.loadAvatar(Checks.mapped(work.resolve("person.glb"))).use { avatar ->
+                val clip = avatar.clips[0]
+                avatar.setPose(clip, 0.5)
+                val plain = avatar.pose()
+                val layer = ClipLayer(clip, 2.5)
+                avatar.setPose(listOf(layer), FRAME_NS)
+                expect(avatar.pose().rotations.contentEquals(plain.rotations), "one layer is its clip")
+                avatar.setPose(listOf(ClipLayer(clip, 0.25), ClipLayer(clip, 0.75), ClipLayer(clip, 0.1, 0.5f, 1)), FRAME_NS)
+                expect(abs(avatar.pose().root[1] - plain.root[1]) < 1e-5f, "two times mix to their mean")
+                val before = ClipLayer(clip, 2.5)
+                before.shiftM = floatArrayOf(5f, 7f)
+                avatar.join(before, layer)
+                expect(abs(layer.shiftM[0] - 5f) < 1e-5f && abs(layer.shiftM[1] - 7f) < 1e-5f, "a layer goes on where another stands")
+                val head = avatar.findJoint("head")
+                val straight = avatar.pose().rotations[4 * head + 1]
+                avatar.lookAt(floatArrayOf(3f, 1.6f, 1f))
+                expect(avatar.pose().rotations[4 * head + 1] != straight, "the head turns")
+                expectError(DoppelException.INVALID_ARGUMENT, "sum to 0", "layers without a weight") {
+                    avatar.setPose(listOf(ClipLayer(clip, 0.0, 0f)), FRAME_NS)
+                }
+            }
+        }
+    }
+
     fun twoViewsWithDepth() {
         DoppelContext.create(Renderer.SOFTWARE, 1).use { context ->
             context.loadAvatar(file).use { avatar ->
@@ -362,6 +388,7 @@ fun main(arguments: Array<String>) {
     test.frameEqualsTheCApi(Renderer.VULKAN, "vulkan.rgba")
     test.avatarIsDescribed()
     test.aTrackerPosesAnAvatar()
+    test.clipsAreMixedAndAHeadTurns()
     test.twoViewsWithDepth()
     test.closedObjectsAreErrors()
     test.orbitLooksAtTheAvatar()

@@ -66,7 +66,9 @@ extension DplAvatarInfo: Sized {}
 extension DplFileAxes: Sized {}
 extension DplJointInfo: Sized {}
 extension DplClipInfo: Sized {}
+extension DplClipLayer: Sized {}
 extension DplClipOptions: Sized {}
+extension DplGaze: Sized {}
 extension DplPoseTrust: Sized {}
 extension DplLoadInfo: Sized {}
 extension DplLoadStatus: Sized {}

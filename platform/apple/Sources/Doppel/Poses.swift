@@ -85,6 +85,73 @@ extension Avatar {
         try check(dplSetPoseFromClip(handle.raw, try c(clip), timeS, loop ? DPL_TRUE : DPL_FALSE))
     }
 
+    /// A clip within a mix; see `DplClipLayer`.
+    public struct ClipLayer: Sendable, Equatable {
+        public var clip: Int
+        public var timeS: Double
+        public var weight: Float
+        /// The layer moves this joint and all below it; 0: the whole body.
+        public var joint: Int
+        /// The time wraps around. With travel, each round starts where the round before ended.
+        public var loop, travel: Bool
+        /// Move the whole clip: about the vertical, then along x and z, metres. `join` finds them.
+        public var headingRad: Float = 0
+        public var shiftM: SIMD2<Float> = .zero
+
+        public init(clip: Int, timeS: Double, weight: Float = 1, joint: Int = 0, loop: Bool = true, travel: Bool = false) {
+            self.clip = clip
+            self.timeS = timeS
+            self.weight = weight
+            self.joint = joint
+            self.loop = loop
+            self.travel = travel
+        }
+
+        func raw() throws(DoppelError) -> DplClipLayer {
+            var layer = DplClipLayer.sized
+            layer.clip = try c(clip)
+            layer.timeS = timeS
+            layer.weight = weight
+            layer.joint = try c(joint)
+            layer.flags = (loop ? UInt32(DPL_LAYER_LOOP.rawValue) : 0) | (travel ? UInt32(DPL_LAYER_TRAVEL.rawValue) : 0)
+            layer.headingRad = headingRad
+            layer.shiftM = (shiftM.x, shiftM.y)
+            return layer
+        }
+    }
+
+    /// Mixes clips for a picture that is shown at timeNs, nanoseconds of any one clock: cross-fades, and layers over a part of the body.
+    /// See `dplSetPoseFromClips`.
+    public func setPose(layers: [ClipLayer], timeNs: Int64) throws(DoppelError) {
+        var raw: [DplClipLayer] = []
+        for layer in layers { raw.append(try layer.raw()) }
+        try check(dplSetPoseFromClips(handle.raw, raw, try c(raw.count), timeNs))
+    }
+
+    /// Moves `layer` so that it goes on from where `before` stands, for a cross-fade of two recorded walks; see `dplJoinClipLayer`.
+    public func join(_ before: ClipLayer, _ layer: inout ClipLayer) throws(DoppelError) {
+        var from = try before.raw()
+        var to = try layer.raw()
+        try check(dplJoinClipLayer(handle.raw, &from, &to))
+        layer.headingRad = to.headingRad
+        layer.shiftM = SIMD2(to.shiftM.0, to.shiftM.1)
+    }
+
+    /// Turns neck, head and eyes of the current pose towards a point, metres in the space of the pose. Once after each pose, before
+    /// drawing. Weights are 0 to 1; limits are left or right, and up or down, radians, zero: the usual ones. See `dplLookAtPoint`.
+    public func look(
+        at target: SIMD3<Float>, headWeight: Float = 0.7, eyeWeight: Float = 1, headLimitRad: SIMD2<Float> = .zero,
+        eyeLimitRad: SIMD2<Float> = .zero
+    ) throws(DoppelError) {
+        var gaze = DplGaze.sized
+        gaze.target = (target.x, target.y, target.z)
+        gaze.headWeight = headWeight
+        gaze.eyeWeight = eyeWeight
+        gaze.headLimitRad = (headLimitRad.x, headLimitRad.y)
+        gaze.eyeLimitRad = (eyeLimitRad.x, eyeLimitRad.y)
+        try check(dplLookAtPoint(handle.raw, &gaze))
+    }
+
     /// How `loadClip` keeps or changes what was recorded; see `DplClipFlag`.
     public struct ClipOptions: OptionSet, Sendable {
         public let rawValue: UInt32

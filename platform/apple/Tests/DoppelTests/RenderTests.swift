@@ -106,6 +106,29 @@ final class RenderTests: XCTestCase {
         XCTAssertEqual(try avatar.pose().root.y, 0.5, accuracy: 1e-4)
     }
 
+    func testClipsAreMixedJoinedAndRefused() throws {
+        let context = try DoppelContext(renderer: .software)
+        let avatar = try context.loadAvatar(TestAvatar.bytes)
+        try avatar.setPose(clip: 0, timeS: 0.5)
+        let plain = try avatar.pose()
+        var layer = Avatar.ClipLayer(clip: 0, timeS: 2.5)
+        try avatar.setPose(layers: [layer], timeNs: 1_000_000_000)
+        XCTAssertEqual(try avatar.pose(), plain)
+        let early = Avatar.ClipLayer(clip: 0, timeS: 0.25), late = Avatar.ClipLayer(clip: 0, timeS: 0.75)
+        try avatar.setPose(layers: [early, late], timeNs: 1_000_000_000)
+        XCTAssertEqual(try avatar.pose().root.y, 0.25, accuracy: 1e-5)
+        var before = layer
+        before.shiftM = SIMD2(5, 7)
+        try avatar.join(before, &layer)
+        XCTAssertEqual(layer.shiftM.x, 5, accuracy: 1e-5)
+        XCTAssertEqual(layer.shiftM.y, 7, accuracy: 1e-5)
+        XCTAssertThrowsError(try avatar.setPose(layers: [Avatar.ClipLayer(clip: 3, timeS: 0)], timeNs: 0)) {
+            XCTAssertEqual(($0 as? DoppelError)?.code, .notFound)
+        }
+        XCTAssertThrowsError(try avatar.setPose(layers: [], timeNs: 0)) { XCTAssertEqual(($0 as? DoppelError)?.code, .invalidArgument) }
+        XCTAssertThrowsError(try avatar.look(at: SIMD3(0, 1, 2))) { XCTAssertEqual(($0 as? DoppelError)?.code, .unsupported) }
+    }
+
     func testMistakesThrowTheLibrarysSentence() throws {
         let context = try DoppelContext(renderer: .software)
         XCTAssertThrowsError(try context.loadAvatar([1, 2, 3])) { error in

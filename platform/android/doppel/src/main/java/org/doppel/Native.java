@@ -50,6 +50,9 @@ final class Native {
     static native double clipDuration(long avatar, int clip);
     static native void setPoseFromClip(long avatar, int clip, double timeS, boolean loop);
     static native int loadClip(long avatar, ByteBuffer buffer, long offset, long size, int flags, String name);
+    static native void setPoseFromClips(long avatar, double[] layers, long timeNs);
+    static native void joinClipLayer(long avatar, double[] before, double[] layer);
+    static native void lookAtPoint(long avatar, float[] gaze);
     static native void poseTrust(long avatar, float[] trust, float[] distances);
     static native void holdPose(long avatar, float limit);
     static native void frameStats(long avatar, long[] counts, double[] times);

@@ -113,6 +113,31 @@ class Avatar internal constructor(number: Long) : Closeable {
     }
 
     /**
+     * Mixes clips for a picture that is shown at [timeNs], nanoseconds of any one clock: cross-fades, and layers over a part of the body.
+     * The rules are those of dplSetPoseFromClips.
+     */
+    fun setPose(layers: List<ClipLayer>, timeNs: Long) =
+        Native.setPoseFromClips(number, layers.flatMap { it.numbers().asList() }.toDoubleArray(), timeNs)
+
+    /** Moves [layer] so that it goes on from where [before] stands, for a cross-fade of two recorded walks; see dplJoinClipLayer. */
+    fun join(before: ClipLayer, layer: ClipLayer) {
+        val numbers = layer.numbers()
+        Native.joinClipLayer(number, before.numbers(), numbers)
+        layer.headingRad = numbers[5].toFloat()
+        layer.shiftM = floatArrayOf(numbers[6].toFloat(), numbers[7].toFloat())
+    }
+
+    /**
+     * Turns neck, head and eyes of the current pose towards a point, metres in the space of the pose. Once after each pose, before drawing.
+     * Weights are 0 to 1; limits are left or right, and up or down, radians, null: the usual ones. The rules are those of dplLookAtPoint.
+     */
+    @JvmOverloads
+    fun lookAt(target: FloatArray, headWeight: Float = 0.7f, eyeWeight: Float = 1f, headLimitRad: FloatArray? = null,
+        eyeLimitRad: FloatArray? = null) =
+        Native.lookAtPoint(number, target + floatArrayOf(headWeight, eyeWeight) + (headLimitRad ?: FloatArray(2)) +
+            (eyeLimitRad ?: FloatArray(2)))
+
+    /**
      * A tracker that poses this avatar. flags: such as [BodyTracker.RAW]. rest: the platform's neutral pose, as [BodyTracker.track] takes
      * frames; null where the format needs none.
      */
@@ -139,6 +164,29 @@ class Avatar internal constructor(number: Long) : Closeable {
     }
 
     override fun close() = handle.close()
+}
+
+/**
+ * A clip within a mix; see DplClipLayer. [joint]: it moves this joint and all below it; 0: the whole body. [travel]: each round of a loop
+ * starts where the round before ended. [headingRad] and [shiftM], along x and z, move the whole clip; [Avatar.join] finds them.
+ */
+class ClipLayer @JvmOverloads constructor(
+    val clip: Clip,
+    var timeS: Double,
+    var weight: Float = 1f,
+    val joint: Int = 0,
+    val loop: Boolean = true,
+    val travel: Boolean = false
+) {
+    var headingRad = 0f
+    var shiftM = FloatArray(2)
+
+    /** As Native takes them. */
+    internal fun numbers(): DoubleArray {
+        val flags = (if (loop) 1 else 0) + (if (travel) 2 else 0)
+        return doubleArrayOf(clip.index.toDouble(), timeS, weight.toDouble(), joint.toDouble(), flags.toDouble(), headingRad.toDouble(),
+            shiftM[0].toDouble(), shiftM[1].toDouble())
+    }
 }
 
 /** DplPoseTrust. [distances]: of each joint from its mean in training, standard deviations; -1: not known. */
