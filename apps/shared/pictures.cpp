@@ -41,7 +41,7 @@ Result<uint32_t> chooseClip(doppel::Avatar& avatar, const std::string& clip, con
     DplClipOptions how{};
     how.structSize = sizeof how;
     how.flags = DPL_CLIP_IN_PLACE;  // the camera stands still, so the avatar walks on the spot
-    const std::string name = std::filesystem::path(clip).filename().string();
+    const std::string name = std::filesystem::path(clip).stem().string();
     how.name = name.c_str();
     how.animationName = animation.empty() ? nullptr : animation.c_str();
     auto loaded = avatar.loadClip(*bytes, &how);

@@ -30,7 +30,8 @@ Mat3d uprightFromLoaded(const std::string& axes, const Mat3d& loadedFromFile);
 inline const std::vector<std::string> kFillNames = {"auto", "quads", "tiles"};
 DplFill fillOf(const std::string& name);
 
-/** Index of the clip to play. `clip` names one of the avatar's clips, or else a motion file, which is retargeted onto the avatar.
+/** Index of the clip to play. `clip` names one of the avatar's clips, or else a motion file, which is retargeted onto the avatar
+ *  and called as the file is, without folder and ending.
  *  animation: name or number of one in a glTF file; empty: the first. */
 Result<uint32_t> chooseClip(doppel::Avatar& avatar, const std::string& clip, const std::string& animation = {});
 /** What --animation says of itself in every program. */

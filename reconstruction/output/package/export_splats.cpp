@@ -26,7 +26,7 @@ Result<Pose> choosePose(const AvatarData& avatar, const ExportOptions& options) 
     if (own != avatar.clips.end()) return samplePose(*own, avatar.joints, options.timeS);
     auto bytes = readFile(options.clip, uint64_t(512) << 20);
     if (!bytes) return fail(bytes.error().code, "--clip {} is neither a clip of the avatar nor a readable BVH or glTF file", options.clip);
-    const auto clip = readClip(*bytes, std::filesystem::path(options.clip).filename().string(), {options.animation}, avatar.joints);
+    const auto clip = readClip(*bytes, std::filesystem::path(options.clip).stem().string(), {options.animation}, avatar.joints);
     if (!clip) return fail(clip.error().code, "--clip {}: {}", options.clip, clip.error().message);
     return samplePose(*clip, avatar.joints, options.timeS);
 }

@@ -7,6 +7,9 @@
 #include <set>
 
 #include "sdk/core/files.h"
+#include "sdk/format/avatar_file.h"
+#include "tests/package/tiny_avatar.h"
+#include "tests/unit/avatar/rigs.h"
 
 namespace dpl {
 namespace {
@@ -35,6 +38,34 @@ TEST(Frames, onlyFramesAreRemoved) {
     const auto nowhere = removeFrames(folder / "nowhere", [](const std::string&) { return true; });
     ASSERT_FALSE(nowhere);
     EXPECT_NE(nowhere.error().message.find("nowhere"), std::string::npos);
+    fs::remove_all(folder);
+}
+
+TEST(Clips, areCalledAsTheirFileWithoutFolderAndEnding) {
+    AvatarData person = test::tinyAvatar();
+    person.joints = test::personRig(0.8f);
+    sortSplats(person);
+    const auto bytes = writeAvatar(person);
+    ASSERT_TRUE(bytes) << bytes.error().message;
+    auto context = doppel::Context::create(DPL_RENDERER_SOFTWARE, 1);
+    ASSERT_TRUE(context) << context.error().message;
+    auto avatar = context->loadAvatar(*bytes);
+    ASSERT_TRUE(avatar) << avatar.error().message;
+    const fs::path folder = fs::temp_directory_path() / ("dpl_clips_" + std::to_string(::getpid()));
+    fs::create_directories(folder);
+    const std::string joints =
+        "HIERARCHY\nROOT Hips\n{\nOFFSET 0 95 0\nCHANNELS 3 Zrotation Xrotation Yrotation\n"
+        "JOINT LeftUpLeg\n{\nOFFSET 9 -5 0\nCHANNELS 0\nJOINT LeftLeg\n{\nOFFSET 0 -41 0\nCHANNELS 0\nEnd Site\n{\nOFFSET 0 -41 "
+        "0\n}\n}\n}\n"
+        "JOINT RightUpLeg\n{\nOFFSET -9 -5 0\nCHANNELS 0\nJOINT RightLeg\n{\nOFFSET 0 -41 0\nCHANNELS 0\nEnd Site\n{\nOFFSET 0 -41 "
+        "0\n}\n}\n}\n}\n";
+    ASSERT_TRUE(writeFileAtomically(folder / "slow walk.2.bvh", joints + "MOTION\nFrames: 2\nFrame Time: 0.5\n0 0 0\n0 0 9\n"));
+    const auto clip = chooseClip(*avatar, (folder / "slow walk.2.bvh").string());
+    ASSERT_TRUE(clip) << clip.error().message;
+    EXPECT_STREQ(avatar->clip(*clip)->name, "slow walk.2");
+    const auto own = chooseClip(*avatar, "slow walk.2");
+    ASSERT_TRUE(own) << own.error().message;
+    EXPECT_EQ(*own, *clip) << "a clip is found by its name";
     fs::remove_all(folder);
 }
 
