@@ -293,6 +293,16 @@ TEST(ClipMix, aJoinedClipGoesOnWhereTheOneBeforeStands) {
     expectSamePlace(placeAfter(from, from, kRig), from.place, 1e-6, 0);
 }
 
+TEST(ClipMix, hipsThatSwayDoNotTurnAWalkerWhoIsJoined) {
+    ClipData sway = curve(4);
+    sway.rootTranslations.clear(), sway.timesS.clear(), sway.channels[0].rotations.clear();
+    for (int k = 0; k <= 120; ++k) {  // by 10 degrees, once a second
+        sway.timesS.push_back(float(k) / 30);
+        sway.channels[0].rotations.push_back(Quatf(glm::angleAxis(0.17 * std::sin(2 * glm::pi<double>() * k / 30), Vec3d(0, 1, 0))));
+    }
+    EXPECT_NEAR(placeAfter(layerOf(sway, 1.25), layerOf(sway, 1.75), kRig).headingRad, 0, 0.02);
+}
+
 TEST(ClipMix, aCrossFadeOfTwoRecordedWalksDoesNotJump) {
     NEED_MOCAP(first, "02_01");
     NEED_MOCAP(second, "07_01");
