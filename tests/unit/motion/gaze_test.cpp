@@ -203,7 +203,7 @@ TEST_F(GazeTest, turnsSmoothlyWhenTheTargetGoesRoundBehindAndOverTheHead) {
 TEST_F(GazeTest, fadesOutOnTheWayIntoTheHead) {
     Pose before;
     double longest = 0, last = 0;
-    for (double far = 1;; far -= 0.0005) {
+    for (double far = 1; far > 0; far -= 0.0005) {
         Pose now = pose_;
         if (!lookAt(joints_, who_, full(kEyesAtRest + float(far) * Vec3f(0.6f, 0, 0.8f)), now, transforms_)) break;
         if (far < 1) longest = std::max(longest, largestStep(before, now));
