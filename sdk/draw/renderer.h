@@ -18,6 +18,7 @@
 #include "sdk/format/avatar_data.h"
 #include "sdk/format/coded_splats.h"
 #include "sdk/math/camera.h"
+#include "sdk/math/placement.h"
 #include "sdk/visibility/detail.h"
 #include "sdk/visibility/governor.h"
 
@@ -95,10 +96,11 @@ enum class Fill : uint8_t { Quads, Tiles };
 
 using RenderAvatarId = uint32_t;
 
-/** A subject of a draw. pose: not read for general splats. */
+/** A subject of a draw: posed in its own space, then placed in the world. pose: not read for general splats. */
 struct Drawn {
     RenderAvatarId avatar = 0;
     const Pose* pose = nullptr;
+    Placement placement = {};
 };
 
 /** A subject that a renderer has checked and converted, ready for add() of the same renderer. */

@@ -252,13 +252,14 @@ SplatSet splatSetOf(const StaticSplatData& splats) {
 }
 
 gpu::FrameData packFrame(const SplatSet& splats, std::span<const Cameraf> views, uint32_t samples, const SplatDetail& detail,
-                         float largestGrowth, uint32_t unseen) {
+                         float largestGrowth, uint32_t unseen, const Placement& placement) {
     gpu::FrameData f{};
+    const SubjectViews seenBy(placement, views);
     Vec3d axis(0), first(0, 0, 1);
     for (size_t v = 0; v < views.size(); ++v) {
-        const Cameraf& c = views[v];
-        const Mat3f& r = c.viewFromWorldRotation;
-        const Vec3f& t = c.viewFromWorldTranslation;
+        const Cameraf& c = seenBy.cameras()[v];
+        const Mat3f r = seenBy[v].viewFromSubject();
+        const Vec3f t = seenBy.scale() * c.viewFromWorldTranslation;
         const JacobianClamp<float> limit(c);
         const Vec3f eye = c.eye();
         f.views[v] = {.viewFromWorldRow0 = {r[0][0], r[1][0], r[2][0], t.x},
@@ -273,7 +274,8 @@ gpu::FrameData packFrame(const SplatSet& splats, std::span<const Cameraf> views,
                       .eyeX = eye.x,
                       .eyeY = eye.y,
                       .eyeZ = eye.z};
-        const Vec3d forward(r[0][2], r[1][2], r[2][2]);
+        const Mat3f& world = views[v].viewFromWorldRotation;
+        const Vec3d forward(world[0][2], world[1][2], world[2][2]);
         axis += forward;
         if (v == 0) first = forward;
     }
@@ -283,7 +285,10 @@ gpu::FrameData packFrame(const SplatSet& splats, std::span<const Cameraf> views,
     // get the same keys.
     double nearest = std::numeric_limits<double>::infinity();
     for (const Cameraf& c : views) nearest = std::min(nearest, glm::dot(axis, Vec3d(c.eye())));
-    f.sortAxisX = float(axis.x), f.sortAxisY = float(axis.y), f.sortAxisZ = float(axis.z);
+    // Subjects are sorted together, so their depths are those of the world.
+    const Vec3d ownAxis = placement.scale * placement.directionToOwn(axis);
+    f.sortAxisX = float(ownAxis.x), f.sortAxisY = float(ownAxis.y), f.sortAxisZ = float(ownAxis.z);
+    f.sortOffsetM = float(glm::dot(axis, placement.translation));
     f.sortStartM = float(std::floor(nearest * 1024) / 1024);
     f.targetPx = {float(views[0].widthPx), float(views[0].heightPx)};
     f.kappaPx2 = splats.kappaPx2 / float(samples);
@@ -291,7 +296,7 @@ gpu::FrameData packFrame(const SplatSet& splats, std::span<const Cameraf> views,
     f.unseenComponents = unseen;
     f.splatCount = splats.count;
     f.splatsPerM2 = detail.full() ? 0.0f : detail.perM2;
-    f.largestGrowth = detail.full() ? 1.0f : largestGrowth;
+    f.largestGrowth = seenBy.scale() * (detail.full() ? 1.0f : largestGrowth);
     f.shShare = detail.shShare;
     return f;
 }

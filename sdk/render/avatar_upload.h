@@ -10,6 +10,7 @@
 #include "sdk/format/coded_splats.h"
 #include "sdk/format/splat_detail.h"
 #include "sdk/math/detail.h"
+#include "sdk/math/placement.h"
 #include "sdk/visibility/components.h"
 #include "shaders/shared/frame.h"
 
@@ -59,11 +60,12 @@ struct SplatSet {
 SplatSet splatSetOf(const AvatarData& avatar, const CodedSplats& splats);
 SplatSet splatSetOf(const StaticSplatData& splats);
 
-/** The uniform block of one subject. samples: coverage samples of a pixel; each gets its share of the low-pass. largestGrowth: upper
- *  bound of the factor by which level of detail enlarges splats. unseen: bits of the components that are not posed. Switches culling on
- *  and sets splatCount to the subject's own count; a caller may overwrite both fields. */
+/** The uniform block of one subject. views: of the world; placement: where the subject stands in it. samples: coverage samples of a pixel;
+ * each gets its share of the low-pass. largestGrowth: upper bound of the factor by which level of detail enlarges splats. unseen: bits of
+ * the components that are not posed. Switches culling on and sets splatCount to the subject's own count; a caller may overwrite both
+ * fields. */
 gpu::FrameData packFrame(const SplatSet& splats, std::span<const Cameraf> views, uint32_t samples = 1, const SplatDetail& detail = {},
-                         float largestGrowth = 1, uint32_t unseen = 0);
+                         float largestGrowth = 1, uint32_t unseen = 0, const Placement& placement = {});
 /** Sets the fields that only general splats use. */
 void packGeneralDetail(const GeneralDetail& detail, gpu::FrameData& frame);
 

@@ -125,10 +125,12 @@ FrameShape GpuRenderer::shapeOf(const DrawCall& call) const {
     float kappaPx2 = INFINITY;
     for (size_t k = 0; k < call.what.size(); ++k) {
         const LoadedSubject& subject = *call.subjects[k];
+        const Drawn& drawn = call.what[k];
         kappaPx2 = std::min(kappaPx2, subject.splats.kappaPx2);
         if (subject.avatar && backend_->info().fourSamples)
-            shape.samples = std::max(shape.samples, coverageSamples(subject.avatar->trainedPixelM,
-                                                                    rootPosition(subject.avatar->joints, *call.what[k].pose), views));
+            shape.samples =
+                std::max(shape.samples, coverageSamples(subject.avatar->trainedPixelM, rootPosition(subject.avatar->joints, *drawn.pose),
+                                                        SubjectViews(drawn.placement, views).cameras()));
     }
     // The limit was derived for one sample. It also holds for four, which have κ/4 each but lower tiles (kTileMinKappaPx2).
     shape.fill = kappaPx2 >= kTileMinKappaPx2 ? fill_ : Fill::Quads;
@@ -192,7 +194,8 @@ void GpuRenderer::fillSlot(FrameSlot& slot, const SceneSet& set, const DrawCall&
         if (subject.avatar)
             packPalette(pose.worldFromRest, pose.nodes, subject.avatar->light,
                         {reinterpret_cast<gpu::vec4*>(backend_->mapped(upload.palette).data()), subject.paletteSize});
-        gpu::FrameData block = packFrame(subject.splats, call.views.of(shape.eye), shape.samples, pose.detail, pose.largestGrowth, unseen);
+        gpu::FrameData block = packFrame(subject.splats, call.views.of(shape.eye), shape.samples, pose.detail, pose.largestGrowth, unseen,
+                                         call.what[k].placement);
         block.splatCount = set.ids.allSplats;
         if (!subject.avatar) packGeneralDetail(pose.generalDetail, block);
         std::memcpy(backend_->mapped(upload.frame).data(), &block, sizeof(block));

@@ -23,6 +23,8 @@ PosedSet SubjectPoser::pose(std::span<const Drawn> what, std::span<LoadedSubject
     DetailMember members[kMaxDrawnTogether];
     for (size_t k = 0; k < subjects.size(); ++k) {
         DrawnSubject& out = posed_[k];
+        out.views = SubjectViews(what[k].placement, views.all);
+        members[k].views = out.views.cameras(), members[k].scale = out.views.scale();
         if (!subjects[k]->avatar) {
             out.worldFromRest.clear(), out.coefficients.clear(), out.nodes.clear();
             members[k].general = &subjects[k]->generalDetail;
@@ -32,7 +34,7 @@ PosedSet SubjectPoser::pose(std::span<const Drawn> what, std::span<LoadedSubject
         members[k].avatar = &subjects[k]->detail;
         members[k].worldFromRest = out.worldFromRest;
     }
-    const DetailTotals splats = chooseDetails(detail, views.all, {members, subjects.size()});
+    const DetailTotals splats = chooseDetails(detail, {members, subjects.size()});
     for (size_t k = 0; k < subjects.size(); ++k) {
         const LoadedSubject& subject = *subjects[k];
         DrawnSubject& out = posed_[k];
@@ -42,9 +44,10 @@ PosedSet SubjectPoser::pose(std::span<const Drawn> what, std::span<LoadedSubject
         out.largestGrowth = subject.detail.largestGrowth(out.detail.perM2);
         out.unseen = {};
         if (!subject.avatar || !cullComponents) continue;
-        for (size_t frame = 0; frame < views.frameCount(); ++frame)
-            out.unseen[frame] =
-                subject.components.unseen(out.worldFromRest, out.coefficients, views.of(frame), subject.splats.kappaPx2, out.largestGrowth);
+        const FrameViews own{out.views.cameras(), views.shared};
+        for (size_t frame = 0; frame < own.frameCount(); ++frame)
+            out.unseen[frame] = subject.components.unseen(out.worldFromRest, out.coefficients, own.of(frame), subject.splats.kappaPx2,
+                                                          out.largestGrowth, out.views.scale());
     }
     return {{posed_.data(), subjects.size()}, splats};
 }

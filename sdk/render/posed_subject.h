@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Everything that follows from pose and views for each subject of a frame. Computed once for each draw, then only read.
 //
+//   placement, views ─► the views in the space of the subject
 //   pose, joints ─► joint transforms ─► level of detail (of all subjects together) ─► components out of view
 //   pose ─► coefficients of the pose correctives ─► control nodes
 #pragma once
@@ -22,6 +23,7 @@ struct DrawnSubject {
     GeneralDetail generalDetail;                    // of general splats
     float drawnShare = 1;                           // upper bound of the share of its splats that this level of detail draws
     float largestGrowth = 1;                        // upper bound of the factor by which it enlarges splats
+    SubjectViews views;                             // of the draw
     std::array<uint32_t, gpu::kMaxViews> unseen{};  // for each frame of the draw: bits of the components that its views cannot show
 };
 
@@ -43,8 +45,8 @@ struct PosedSet {
  */
 class SubjectPoser {
 public:
-    /** subjects[k] belongs to what[k]. Level of detail is chosen for all views at once, so that both eyes see the same splats.
-     *  cullComponents: otherwise no component counts as unseen. */
+    /** subjects[k] belongs to what[k], views to the world. Level of detail is chosen for all views at once, so that both eyes see the same
+     * splats. cullComponents: otherwise no component counts as unseen. */
     PosedSet pose(std::span<const Drawn> what, std::span<LoadedSubject* const> subjects, const FrameViews& views,
                   const DetailOptions& detail, bool cullComponents);
 

@@ -59,14 +59,15 @@ struct BlockVisible {
     uint64_t decidedBytes = 0, decodedBytes = 0;  // SplatEngine::decidedBytes, decodedBytes
 };
 
-/** A triangle in one view, as its splats read it: eight quads of four floats, which the kernel loads as such. Metres. */
+/** A triangle in one view, as its splats read it: eight quads of four floats, which the kernel loads as such. Metres of the world, but for
+ *  rest0 to rest2. */
 struct alignas(32) TriangleView {
     float v0[3], planeDot;  // first corner in view space; n·(eye − v0)
     float e1[3], shown;     // edges in view space; opacity factor of the splats, 0 for a triangle that is not drawn
     float e2[3], light0;    // light0: brightness at the first corner
     float f0[3], light1;    // columns of F in view space; light1: brightness at the second corner minus light0
     float f1[3], light2;    // light2: the same for the third corner
-    float rest0[3], pad0;   // v0 − eye, turned into the rest frame
+    float rest0[3], pad0;   // v0 − eye, turned into the rest frame; metres of the subject
     float rest1[3], pad1;   // edges, turned into the rest frame
     float rest2[3], pad2;
 };
@@ -94,7 +95,7 @@ struct SplatEngine::Buffers {
 
 /** How a set of splats is seen: what SplatEngine::project() is given besides the splats. */
 struct SplatCamera {
-    const Cameraf& camera;
+    SubjectView view;
     float kappaPx2;  // of a pixel
     bool compensated;
     uint32_t samples = 1;  // a pixel; anything but kCoverageSamples counts as 1

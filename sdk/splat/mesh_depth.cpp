@@ -56,15 +56,16 @@ MeshDepth::PixelBox MeshDepth::boxOf(const Vec3f (&c)[3], uint32_t widthPx, uint
     return box;
 }
 
-void MeshDepth::draw(Jobs& jobs, std::span<const Vec3f> positions, std::span<const Triangle> triangles, const Cameraf& camera,
+void MeshDepth::draw(Jobs& jobs, std::span<const Vec3f> positions, std::span<const Triangle> triangles, const SubjectView& view,
                      std::vector<float>& depthM) {
+    const Cameraf& camera = view.camera;
     const uint32_t width = camera.widthPx, height = camera.heightPx;
     depthM.resize(size_t(width) * height);
     corners_.resize(positions.size());
     boxes_.resize(triangles.size());
     jobs.forRange(positions.size(), kVertexGrain, [&](size_t begin, size_t end, uint32_t) {
         for (size_t i = begin; i < end; ++i) {
-            const Vec3f p = camera.toView(positions[i]);
+            const Vec3f p = view.toView(positions[i]);
             corners_[i] = {camera.fx * p.x + camera.cx * p.z, camera.fy * p.y + camera.cy * p.z, p.z};
         }
     });

@@ -14,17 +14,17 @@
 #include <vector>
 
 #include "sdk/core/jobs.h"
-#include "sdk/math/camera.h"
+#include "sdk/math/placement.h"
 
 namespace dpl {
 
 class MeshDepth {
 public:
     /** depthM: resized to width × height, row-major, top row first; view z in metres of the nearest surface beyond kNearM, 0 = none.
-     * positions: world; triangles index them, and both sides are drawn. Triangles with corners that are not finite are left out; one
-     * that is seen edge-on may draw some of its pixels. The result does not depend on threads or on the order of triangles. A warm call
-     * allocates nothing. */
-    void draw(Jobs& jobs, std::span<const Vec3f> positions, std::span<const Triangle> triangles, const Cameraf& camera,
+     * positions: in the space of the view's subject; triangles index them, and both sides are drawn. Triangles with corners that are not
+     * finite are left out; one that is seen edge-on may draw some of its pixels. The result does not depend on threads or on the order of
+     * triangles. A warm call allocates nothing. */
+    void draw(Jobs& jobs, std::span<const Vec3f> positions, std::span<const Triangle> triangles, const SubjectView& view,
               std::vector<float>& depthM);
     uint64_t bytes() const { return corners_.capacity() * sizeof(Vec3f) + boxes_.capacity() * sizeof(PixelBox); }
 

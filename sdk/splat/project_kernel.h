@@ -10,8 +10,8 @@ namespace dpl {
 
 /** Constants of one view. */
 struct ProjectView {
-    float rotation[9];  // row-major, view from world
-    float translation[3], eye[3];
+    float rotation[9];             // row-major; to the view's metres from the subject's, so it has the scale of a placed subject
+    float translation[3], eye[3];  // of the view, and in the subject's space
     uint32_t widthPx, heightPx;
     float fx, fy, cx, cy, width, height;  // width, height: the same as floats, px
     float minX, maxX, minY, maxY;         // limits of x/z and y/z in the Jacobian

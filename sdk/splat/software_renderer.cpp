@@ -2,6 +2,7 @@
 #include "sdk/splat/software_renderer.h"
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <chrono>
 #include <cmath>
@@ -128,13 +129,15 @@ public:
         uint32_t samples = 1;
         for (const Drawn& one : what) {
             Drawable& d = *drawables_.at(one.avatar);
+            SubjectViews& seenBy = seenBy_[together_.size()];
+            seenBy = SubjectViews(one.placement, views);
             together_.push_back(&d);
             if (!d.avatar) continue;
             setPose(d, *one.pose);
-            samples = std::max(samples, coverageSamples(d.trainedPixelM, rootPosition(d.avatar->joints, d.pose), views));
+            samples = std::max(samples, coverageSamples(d.trainedPixelM, rootPosition(d.avatar->joints, d.pose), seenBy.cameras()));
         }
-        setDetails(views);
-        leaveOutUnseen(views);
+        setDetails();
+        leaveOutUnseen();
         Drawable& first = *together_[0];
         if (first.pictures.size() < views.size()) first.pictures.resize(views.size());
         first.pixels.resize(views.size());
@@ -145,15 +148,15 @@ public:
         for (size_t v = 0; v < views.size(); ++v) {
             RenderedView& picture = first.pictures[v];
             bool started = false;
-            for (const Drawable* d : together_)
-                if (d->seen) project(*d, views[v], samples, started), started = true;
+            for (size_t k = 0; k < together_.size(); ++k)
+                if (together_[k]->seen) project(*together_[k], seenBy_[k][v], samples, started), started = true;
             if (!started) engine_.project(PackedSplats(), {}, views[v], 0, false, samples);
             stats.bytesDecided += engine_.decidedBytes(), stats.bytesDecoded += engine_.decodedBytes();
             engine_.bin();
             engine_.blendRgba8(picture.rgba, wants.depth ? &picture.depthM : nullptr, wants.sceneDepthM[v]);
             first.pixels[v] = {views[v].widthPx, views[v].heightPx, picture.rgba, {}, {}};
             if (wants.depth) first.pixels[v].depthM = picture.depthM;
-            if (wants.meshDepth) first.pixels[v].meshDepthM = drawMeshes(views[v], picture.meshDepthM);
+            if (wants.meshDepth) first.pixels[v].meshDepthM = drawMeshes(v, picture.meshDepthM);
             stats.splatsDrawn = std::max(stats.splatsDrawn, engine_.visibleCount());
         }
         const std::chrono::duration<double, std::milli> took = std::chrono::steady_clock::now() - start;
@@ -212,18 +215,19 @@ private:
     }
 
     /** Poses the surface of each avatar of together_ that some view may show, and sets `seen` of all. */
-    void leaveOutUnseen(std::span<const Cameraf> views) {
-        for (Drawable* d : together_) {
+    void leaveOutUnseen() {
+        for (size_t k = 0; k < together_.size(); ++k) {
+            Drawable* d = together_[k];
             if (!d->avatar) continue;
-            const uint32_t unseen = d->components.unseen(d->mesh.worldFromRest(), d->mesh.coefficients(), views, d->kappaPx2,
-                                                         d->detailSubject.largestGrowth(d->detail.perM2));
+            const uint32_t unseen = d->components.unseen(d->mesh.worldFromRest(), d->mesh.coefficients(), seenBy_[k].cameras(), d->kappaPx2,
+                                                         d->detailSubject.largestGrowth(d->detail.perM2), seenBy_[k].scale());
             d->componentsInView = d->components.count() - uint32_t(std::popcount(unseen));
             d->seen = d->componentsInView > 0 || d->components.count() == 0;
             if (d->seen && !d->surfaced) d->mesh.surface(posedSubject(*d), jobs_), d->surfaced = true;
         }
     }
 
-    void project(const Drawable& d, const Cameraf& view, uint32_t samples, bool behind) {
+    void project(const Drawable& d, const SubjectView& view, uint32_t samples, bool behind) {
         const auto put = [&](const auto& splats, const auto&... detail) {
             if (behind)
                 engine_.add(splats, d.mesh.frames(), view, d.kappaPx2, d.compensated, samples, detail...);
@@ -237,31 +241,33 @@ private:
     }
 
     /** Chooses how many splats of each subject of together_ are drawn. */
-    void setDetails(std::span<const Cameraf> views) {
+    void setDetails() {
         DetailMember members[kMaxDrawnTogether];
         for (size_t k = 0; k < together_.size(); ++k) {
             if (Drawable& d = *together_[k]; d.avatar)
                 members[k].avatar = &d.detailSubject, members[k].worldFromRest = d.mesh.worldFromRest();
             else
                 members[k].general = &d.generalSubject;
+            members[k].views = seenBy_[k].cameras(), members[k].scale = seenBy_[k].scale();
         }
-        splats_ = chooseDetails(detail_, views, {members, together_.size()});
+        splats_ = chooseDetails(detail_, {members, together_.size()});
         for (size_t k = 0; k < together_.size(); ++k)
             together_[k]->detail = members[k].detail, together_[k]->generalDetail = members[k].generalDetail,
             together_[k]->detailShare = members[k].share;
     }
 
-    /** Depth of the nearest mesh of together_ at every pixel: view z, metres, 0 = none. */
-    std::span<const float> drawMeshes(const Cameraf& view, std::vector<float>& depthM) {
+    /** Depth of the nearest mesh of together_ at every pixel of view v: view z, metres, 0 = none. */
+    std::span<const float> drawMeshes(size_t v, std::vector<float>& depthM) {
         bool first = true;
-        for (const Drawable* d : together_) {
+        for (size_t k = 0; k < together_.size(); ++k) {
+            const Drawable* d = together_[k];
             if (!d->avatar || !d->seen) continue;
-            meshDepth_.draw(jobs_, d->mesh.positions(), d->avatar->mesh.triangles, view, first ? depthM : anotherDepthM_);
+            meshDepth_.draw(jobs_, d->mesh.positions(), d->avatar->mesh.triangles, seenBy_[k][v], first ? depthM : anotherDepthM_);
             for (size_t i = 0; i < depthM.size() && !first; ++i)
                 if (const float z = anotherDepthM_[i]; z > 0 && (depthM[i] == 0 || z < depthM[i])) depthM[i] = z;
             first = false;
         }
-        if (first) depthM.assign(size_t(view.widthPx) * view.heightPx, 0);
+        if (first) depthM.assign(size_t(seenBy_[0][v].camera.widthPx) * seenBy_[0][v].camera.heightPx, 0);
         return depthM;
     }
 
@@ -271,7 +277,8 @@ private:
     std::vector<float> anotherDepthM_;  // scratch of drawMeshes
     DetailTotals splats_;               // of the last setDetails
     uint64_t frameNumber_ = 0;
-    std::vector<Drawable*> together_;  // subjects of the last draw
+    std::vector<Drawable*> together_;                     // subjects of the last draw
+    std::array<SubjectViews, kMaxDrawnTogether> seenBy_;  // each of them
     std::map<RenderAvatarId, std::unique_ptr<Drawable>> drawables_;
     RenderAvatarId nextId_ = 1;
 };

@@ -17,24 +17,24 @@ void SplatEngine::project(const StaticSplatData& splats, const Cameraf& camera, 
     projectStatic(jobs_, *buffers_, splats, {camera, kappaPx2, compensated});
 }
 
-void SplatEngine::project(const CodedSplats& splats, std::span<const TriangleFrame<float>> triangles, const Cameraf& camera, float kappaPx2,
-                          bool compensated, uint32_t samples, const SplatDetail& detail) {
-    projectCoded(jobs_, *buffers_, splats, triangles, {camera, kappaPx2, compensated, samples}, detail, /*behind=*/false);
+void SplatEngine::project(const CodedSplats& splats, std::span<const TriangleFrame<float>> triangles, const SubjectView& view,
+                          float kappaPx2, bool compensated, uint32_t samples, const SplatDetail& detail) {
+    projectCoded(jobs_, *buffers_, splats, triangles, {view, kappaPx2, compensated, samples}, detail, /*behind=*/false);
 }
 
-void SplatEngine::project(const PackedSplats& splats, std::span<const TriangleFrame<float>> triangles, const Cameraf& camera,
+void SplatEngine::project(const PackedSplats& splats, std::span<const TriangleFrame<float>> triangles, const SubjectView& view,
                           float kappaPx2, bool compensated, uint32_t samples, const KeptGroups& kept) {
-    projectPacked(jobs_, *buffers_, splats, triangles, {camera, kappaPx2, compensated, samples}, kept, /*behind=*/false);
+    projectPacked(jobs_, *buffers_, splats, triangles, {view, kappaPx2, compensated, samples}, kept, /*behind=*/false);
 }
 
-void SplatEngine::add(const CodedSplats& splats, std::span<const TriangleFrame<float>> triangles, const Cameraf& camera, float kappaPx2,
+void SplatEngine::add(const CodedSplats& splats, std::span<const TriangleFrame<float>> triangles, const SubjectView& view, float kappaPx2,
                       bool compensated, uint32_t samples, const SplatDetail& detail) {
-    projectCoded(jobs_, *buffers_, splats, triangles, {camera, kappaPx2, compensated, samples}, detail, /*behind=*/true);
+    projectCoded(jobs_, *buffers_, splats, triangles, {view, kappaPx2, compensated, samples}, detail, /*behind=*/true);
 }
 
-void SplatEngine::add(const PackedSplats& splats, std::span<const TriangleFrame<float>> triangles, const Cameraf& camera, float kappaPx2,
+void SplatEngine::add(const PackedSplats& splats, std::span<const TriangleFrame<float>> triangles, const SubjectView& view, float kappaPx2,
                       bool compensated, uint32_t samples, const KeptGroups& kept) {
-    projectPacked(jobs_, *buffers_, splats, triangles, {camera, kappaPx2, compensated, samples}, kept, /*behind=*/true);
+    projectPacked(jobs_, *buffers_, splats, triangles, {view, kappaPx2, compensated, samples}, kept, /*behind=*/true);
 }
 
 void SplatEngine::sort() {

@@ -24,6 +24,7 @@
 #include "sdk/math/camera.h"
 #include "sdk/math/coverage.h"
 #include "sdk/math/detail.h"
+#include "sdk/math/placement.h"
 #include "sdk/math/projection.h"
 #include "sdk/splat/forward_record.h"
 #include "sdk/splat/packed_splats.h"
@@ -92,21 +93,22 @@ public:
      *  Gaussian splatting files were trained without it. Arrays of different lengths are an error in the log, and nothing is drawn. */
     void project(const StaticSplatData& splats, const Cameraf& camera, float kappaPx2, bool compensated = false);
 
-    /** The same for packed splats: faster, for sets that do not change. triangles: for bound splats, else empty. samples: 1 or
-     *  kCoverageSamples; with more than 1, blending composites at that many positions of a pixel, each with its share of kappaPx2, and
-     *  averages them (sdk/math/coverage.h). kept: of general splats. */
-    void project(const PackedSplats& splats, std::span<const TriangleFrame<float>> triangles, const Cameraf& camera, float kappaPx2,
+    /** The same for packed splats: faster, for sets that do not change. triangles: for bound splats, else empty. view, and the triangles,
+     * in the space of the subject; a camera of the world for one that stands at its origin. samples: 1 or kCoverageSamples; with more than
+     * 1, blending composites at that many positions of a pixel, each with its share of kappaPx2, and averages them (sdk/math/coverage.h).
+     * kept: of general splats. */
+    void project(const PackedSplats& splats, std::span<const TriangleFrame<float>> triangles, const SubjectView& view, float kappaPx2,
                  bool compensated, uint32_t samples = 1, const KeptGroups& kept = {});
     /** Bound splats as the file codes them. Only splats whose triangle may show in the view are decoded; the others have opacity 0 in
      *  projected(). detail needs splats.groups; with level of detail, projected() holds the kept splats densely from each multiple of 4096
      *  on. */
-    void project(const CodedSplats& splats, std::span<const TriangleFrame<float>> triangles, const Cameraf& camera, float kappaPx2,
+    void project(const CodedSplats& splats, std::span<const TriangleFrame<float>> triangles, const SubjectView& view, float kappaPx2,
                  bool compensated, uint32_t samples = 1, const SplatDetail& detail = {});
-    /** Adds splats to the picture, after project() with the same camera and samples. All are sorted and blended together. The new splats
-     *  begin at the next multiple of 4096 in projected(); ties in depth keep the order of the calls. */
-    void add(const CodedSplats& splats, std::span<const TriangleFrame<float>> triangles, const Cameraf& camera, float kappaPx2,
+    /** Adds splats to the picture, after project() with the same samples and the same camera in the world. All are sorted and blended
+     * together. The new splats begin at the next multiple of 4096 in projected(); ties in depth keep the order of the calls. */
+    void add(const CodedSplats& splats, std::span<const TriangleFrame<float>> triangles, const SubjectView& view, float kappaPx2,
              bool compensated, uint32_t samples = 1, const SplatDetail& detail = {});
-    void add(const PackedSplats& splats, std::span<const TriangleFrame<float>> triangles, const Cameraf& camera, float kappaPx2,
+    void add(const PackedSplats& splats, std::span<const TriangleFrame<float>> triangles, const SubjectView& view, float kappaPx2,
              bool compensated, uint32_t samples = 1, const KeptGroups& kept = {});
     /** Bytes of codes read since the last project(): to decide which splats may show, and to decode those. */
     uint64_t decidedBytes() const;

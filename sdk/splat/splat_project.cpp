@@ -12,14 +12,16 @@ namespace {
 constexpr uint32_t kPackAhead = 64;  // splats packed or decoded at a time: 15 KB at SH degree 3, which fits the L1 cache
 
 ProjectView viewOf(const SplatCamera& seen) {
-    const Cameraf& camera = seen.camera;
+    const Cameraf& camera = seen.view.camera;
+    const Mat3f turn = seen.view.viewFromSubject();
     const uint32_t samples = seen.samples == kCoverageSamples ? kCoverageSamples : 1;
     ProjectView v;
     for (int r = 0; r < 3; ++r)
-        for (int c = 0; c < 3; ++c) v.rotation[r * 3 + c] = camera.viewFromWorldRotation[c][r];
+        for (int c = 0; c < 3; ++c) v.rotation[r * 3 + c] = turn[c][r];
     const JacobianClamp<float> limit(camera);
     const Vec3f eye = camera.eye();
-    for (int k = 0; k < 3; ++k) v.translation[k] = camera.viewFromWorldTranslation[k], v.eye[k] = eye[k];
+    const Vec3f translation = seen.view.scale * camera.viewFromWorldTranslation;
+    for (int k = 0; k < 3; ++k) v.translation[k] = translation[k], v.eye[k] = eye[k];
     v.fx = camera.fx, v.fy = camera.fy, v.cx = camera.cx, v.cy = camera.cy;
     v.widthPx = camera.widthPx, v.heightPx = camera.heightPx;
     v.width = float(camera.widthPx), v.height = float(camera.heightPx);
@@ -37,11 +39,11 @@ void store(float* out, const Vec3f& v) {
 
 /** One record for each triangle. Behind the last one lies an invalid one, so the result is never null. */
 std::span<const TriangleView> viewTriangles(Jobs& jobs, Scratch<TriangleView>& scratch, std::span<const TriangleFrame<float>> triangles,
-                                            const Cameraf& camera) {
+                                            const SubjectView& view) {
     TriangleView* out = scratch.resize(triangles.size() + 1);
     out[triangles.size()] = TriangleView{};
-    const Vec3f eye = camera.eye();
-    const Mat3f& turn = camera.viewFromWorldRotation;
+    const Vec3f eye = view.camera.eye();
+    const Mat3f turn = view.viewFromSubject();
     jobs.forRange(triangles.size(), 4096, [&](size_t begin, size_t end, uint32_t) {
         for (size_t i = begin; i < end; ++i) {
             const TriangleFrame<float>& t = triangles[i];
@@ -49,8 +51,8 @@ std::span<const TriangleView> viewTriangles(Jobs& jobs, Scratch<TriangleView>& s
             if (t.valid) {
                 const Mat3f restFromWorld = glm::transpose(t.worldFromRest);
                 r.shown = t.shown;
-                r.planeDot = glm::dot(t.normal, eye - t.v0);
-                store(r.v0, camera.toView(t.v0));
+                r.planeDot = view.scale * glm::dot(t.normal, eye - t.v0);
+                store(r.v0, view.toView(t.v0));
                 store(r.e1, turn * (t.v1 - t.v0)), store(r.e2, turn * (t.v2 - t.v0));
                 store(r.f0, turn * t.f0), store(r.f1, turn * t.f1);
                 store(r.rest0, restFromWorld * (t.v0 - eye));
@@ -301,7 +303,7 @@ void projectUnpacked(const Splats& splats, ProjectTask task) {
 
 void projectBound(Jobs& jobs, SplatEngine::Buffers& buffers, const BoundSplatView& splats, std::span<const TriangleFrame<float>> triangles,
                   const SplatCamera& seen, bool record) {
-    const auto posed = viewTriangles(jobs, buffers.triangles, triangles, seen.camera);
+    const auto posed = viewTriangles(jobs, buffers.triangles, triangles, seen.view);
     forProjectBlocks(jobs, buffers, viewOf(seen), {usableCount(splats), splats.shDegree, posed, /*behind=*/false, record},
                      [&](const ProjectTask& task) { projectUnpacked(splats, task); });
 }
@@ -314,7 +316,7 @@ void projectStatic(Jobs& jobs, SplatEngine::Buffers& buffers, const StaticSplatD
 void projectCoded(Jobs& jobs, SplatEngine::Buffers& buffers, const CodedSplats& splats, std::span<const TriangleFrame<float>> triangles,
                   const SplatCamera& seen, const SplatDetail& detail, bool behind) {
     const ProjectView view = viewOf(seen);
-    const auto posed = viewTriangles(jobs, buffers.triangles, triangles, seen.camera);
+    const auto posed = viewTriangles(jobs, buffers.triangles, triangles, seen.view);
     const bool all = detail.full() || splats.groups.empty();
     uint8_t* shows = buffers.parentShows.resize(splats.parents.size());
     jobs.forRange(splats.chunks.size(), 16, [&](size_t begin, size_t end, uint32_t) {
@@ -339,7 +341,7 @@ void projectCoded(Jobs& jobs, SplatEngine::Buffers& buffers, const CodedSplats& 
 
 void projectPacked(Jobs& jobs, SplatEngine::Buffers& buffers, const PackedSplats& splats, std::span<const TriangleFrame<float>> triangles,
                    const SplatCamera& seen, const KeptGroups& kept, bool behind) {
-    const auto posed = splats.bound() ? viewTriangles(jobs, buffers.triangles, triangles, seen.camera) : std::span<const TriangleView>();
+    const auto posed = splats.bound() ? viewTriangles(jobs, buffers.triangles, triangles, seen.view) : std::span<const TriangleView>();
     const size_t groupFloats = size_t(groupFields(splats.bound(), splats.shDegree())) * kGroupSplats;
     const bool all = kept.detail.full() || kept.groups.empty() || splats.bound();
     forProjectBlocks(jobs, buffers, viewOf(seen), {splats.count(), splats.shDegree(), posed, behind}, [&](ProjectTask task) {

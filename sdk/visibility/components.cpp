@@ -199,7 +199,7 @@ Components::Components(const AvatarData& avatar, const ComponentMap& map, std::s
 }
 
 uint32_t Components::unseen(std::span<const Mat3x4f> worldFromRest, std::span<const float> coefficients, std::span<const Cameraf> views,
-                            float kappaPx2, float growth) const {
+                            float kappaPx2, float growth, float scale) const {
     const auto carried = [&](uint32_t joint, const Vec3d& p) {
         const Mat3x4f& m = worldFromRest[joint];
         return Vec3d(m[0]) * p.x + Vec3d(m[1]) * p.y + Vec3d(m[2]) * p.z + Vec3d(m[3]);
@@ -234,7 +234,7 @@ uint32_t Components::unseen(std::span<const Mat3x4f> worldFromRest, std::span<co
                 Vec3d inwards;   // normal in view space, not of unit length
                 double bySplat;  // how far beyond the side a centre may lie while its splat shows, in units of dot(inwards, point)
             };
-            const Side sides[] = {{{0, 0, 1}, -kNearM},
+            const Side sides[] = {{{0, 0, 1}, -kNearM / double(scale)},
                                   {{focal.x, 0, low.x}, splat.x},
                                   {{-focal.x, 0, high.x}, splat.x},
                                   {{0, focal.y, low.y}, splat.y},

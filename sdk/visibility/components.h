@@ -44,10 +44,10 @@ public:
     uint32_t all() const { return count() == kMaxComponents ? ~0u : (1u << count()) - 1; }
     /** Bits of the components of which no view can show a splat or a vertex. Conservative: a component that shows is never among them
      * (tests/reference/components_test.cpp). worldFromRest: jointTransforms; coefficients: correctiveCoefficients or empty; kappaPx2: of a
-     * pixel; growth: largest growth of a splat by level of detail, ≥ 1. Numbers that are not finite leave nothing out. Allocates nothing.
-     */
+     * pixel; growth: largest growth of a splat by level of detail, ≥ 1. The views are in the avatar's own space and metres; scale: metres
+     * of the world that one of these takes. Numbers that are not finite leave nothing out. Allocates nothing. */
     uint32_t unseen(std::span<const Mat3x4f> worldFromRest, std::span<const float> coefficients, std::span<const Cameraf> views,
-                    float kappaPx2, float growth) const;
+                    float kappaPx2, float growth, float scale = 1) const;
 
 private:
     struct Corners {  // box around the rest positions of the vertices that hang on a joint

@@ -104,25 +104,26 @@ float DetailSubject::largestGrowth(float perM2) const {
     return !(smallestAreaM2_ < INFINITY) ? 1.0f : detailGrowth(keptShare(perM2, smallestAreaM2_), largestGain_, 1.0f);
 }
 
-double DetailSubject::finestPixelM(std::span<const Mat3x4f> worldFromRest, std::span<const Cameraf> views) const {
+double DetailSubject::finestPixelM(std::span<const Mat3x4f> worldFromRest, std::span<const Cameraf> views, float scale) const {
+    const double floorM = kDetailNearestM / double(scale);
     double finest = INFINITY;
     for (const Cameraf& view : views) {
         double nearestM = INFINITY;
         for (const Ball& ball : balls_)
             nearestM = std::min(nearestM, double(view.toView(worldFromRest[ball.joint] * Vec4f(ball.centre, 1)).z) - double(ball.radiusM));
-        finest = std::min(finest, std::max(nearestM, kDetailNearestM) / double(std::max(view.fx, view.fy)));
+        finest = std::min(finest, std::max(nearestM, floorM) / double(std::max(view.fx, view.fy)));
     }
     return finest;
 }
 
-DetailTotals chooseDetails(const DetailOptions& options, std::span<const Cameraf> views, std::span<DetailMember> members) {
+DetailTotals chooseDetails(const DetailOptions& options, std::span<DetailMember> members) {
     for (DetailMember& m : members) {
         m.detail = {}, m.generalDetail = {}, m.share = 1;
         if (options.off()) continue;
         if (m.general)
-            m.general->look(views);
+            m.general->look(m.views, m.scale);
         else
-            m.pixelM = m.avatar->finestPixelM(m.worldFromRest, views);
+            m.pixelM = m.avatar->finestPixelM(m.worldFromRest, m.views, m.scale);
     }
     const auto drawnOf = [](const DetailMember& m, double perPixel) {
         return m.general ? m.general->drawnAtMost(perPixel) : m.avatar->drawnAtMost(perPixel / (m.pixelM * m.pixelM));

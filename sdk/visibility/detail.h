@@ -43,9 +43,10 @@ public:
     DetailSubject(const AvatarData& avatar, const CodedSplats& splats);
 
     /** Smallest size of a pixel on the posed surface, metres, over the views: at the smallest view depth that the surface may have, but at
-     * least kDetailNearestM. Continuous in pose and views. worldFromRest: jointTransforms. Pose correctives are not counted and may carry
-     * the surface a little nearer. */
-    double finestPixelM(std::span<const Mat3x4f> worldFromRest, std::span<const Cameraf> views) const;
+     * least kDetailNearestM. Continuous in pose and views. worldFromRest: jointTransforms. Views and result are in the avatar's own space
+     * and metres; scale: metres of the world that one of these takes. Pose correctives are not counted and may carry the surface a little
+     * nearer. */
+    double finestPixelM(std::span<const Mat3x4f> worldFromRest, std::span<const Cameraf> views, float scale = 1) const;
     /** Upper bound of the splats drawn at a wanted density (1/m²); continuous, and rises with it. */
     double drawnAtMost(double perM2) const;
     uint32_t splatCount() const { return splatCount_; }
@@ -72,7 +73,8 @@ private:
     float smallestAreaM2_ = INFINITY, meanAreaM2_ = 0, largestGain_ = 0;
 };
 
-/** Surface nearer than this counts as this near. Otherwise an avatar that touches the camera would take the whole budget. */
+/** Surface nearer than this, in metres of the world, counts as this near. Otherwise an avatar that touches the camera would take the whole
+ * budget. */
 constexpr double kDetailNearestM = 0.25;
 
 /** One subject of a scene set: either `avatar` or `general` is set. */
@@ -80,6 +82,8 @@ struct DetailMember {
     const DetailSubject* avatar = nullptr;
     std::span<const Mat3x4f> worldFromRest;  // jointTransforms of this frame's pose
     GeneralDetailSubject* general = nullptr;
+    std::span<const Cameraf> views;  // of the frame, in the subject's own space and metres; at most two
+    float scale = 1;                 // metres of the world that a metre of the subject takes
     // Set by chooseDetails.
     double pixelM = 1;            // of an avatar: finestPixelM
     SplatDetail detail;           // of an avatar
@@ -96,8 +100,8 @@ struct DetailTotals {
 
 /** Chooses the detail of all subjects of a frame: splatsPerPixel on each one's finest pixel. When the budget is too small, splatsPerPixel
  * is lowered for all alike; one splat a group stays for any budget. limits lower it further. While limits.kept falls from all splats
- * on, the picture changes continuously; with limits.drawn or splatBudget it would jump, because a fading splat counts as drawn. views: all
- * views of the frame, at most two, so that both eyes see the same splats. Allocates nothing. */
-DetailTotals chooseDetails(const DetailOptions& options, std::span<const Cameraf> views, std::span<DetailMember> members);
+ * on, the picture changes continuously; with limits.drawn or splatBudget it would jump, because a fading splat counts as drawn. Each member
+ * has all views of the frame, so that both eyes see the same splats. Allocates nothing. */
+DetailTotals chooseDetails(const DetailOptions& options, std::span<DetailMember> members);
 
 }  // namespace dpl

@@ -13,7 +13,7 @@ namespace {
 // Groups are sorted into bins by the pixels that one of their splats stands for: from 2^-40 to 2^40, in steps of 2^(1/64), which is 1.1 %.
 constexpr int kBinsAnOctave = 64, kFirstOctave = -40, kBins = 80 * kBinsAnOctave;
 
-constexpr double kBehindM = 1;  // a group that lies wholly behind the cameras counts less, and from this distance on not at all
+constexpr double kBehindM = 1;  // world: a group that lies wholly behind the cameras counts less, and from this distance on not at all
 
 double binOf(double pixels) {
     return (std::log2(pixels) - kFirstOctave) * kBinsAnOctave;
@@ -24,7 +24,7 @@ double binOf(double pixels) {
 GeneralDetailSubject::GeneralDetailSubject(std::vector<GeneralGroup> groups, uint32_t splatCount)
     : groups_(std::move(groups)), sums_(kBins + 1), splatCount_(splatCount) {}
 
-void GeneralDetailSubject::look(std::span<const Cameraf> views) {
+void GeneralDetailSubject::look(std::span<const Cameraf> views, float scale) {
     if (views.empty()) return;
     float longest = 0;
     for (size_t v = 0; v < 2; ++v) {
@@ -32,7 +32,7 @@ void GeneralDetailSubject::look(std::span<const Cameraf> views) {
         seen_.planes[v] = pixelPlane(view);
         longest = std::max({longest, view.fx, view.fy});
     }
-    seen_.finestM = float(kDetailNearestM) / longest;
+    seen_.finestM = float(kDetailNearestM) / scale / longest;
     std::fill(sums_.begin(), sums_.end(), Sums{});
     // A group at position `at` is shared between the two bins above ⌊at⌋. So the sums are never too low, and they move without steps.
     for (const GeneralGroup& group : groups_) {
@@ -40,7 +40,7 @@ void GeneralDetailSubject::look(std::span<const Cameraf> views) {
         for (const PixelPlane& p : seen_.planes)
             aheadM = std::max(aheadM, double(glm::dot(p.axis, group.middle) + p.offsetM + glm::dot(glm::abs(p.axis), group.reach)) /
                                           double(glm::length(p.axis)));
-        const double counts = std::clamp(1 + (aheadM - kNearM) / kBehindM, 0.0, 1.0);
+        const double counts = std::clamp(1 + (double(scale) * aheadM - kNearM) / kBehindM, 0.0, 1.0);
         if (counts == 0) continue;
         const double pixelM = double(seen_.pixelM(group.middle, group.reach));
         const double at = std::clamp(binOf(double(group.detail.areaM2) / (pixelM * pixelM)), 0.0, double(kBins - 3));

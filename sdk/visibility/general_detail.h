@@ -21,9 +21,9 @@ public:
     std::span<const GeneralGroup> groups() const { return groups_; }
     uint32_t splatCount() const { return splatCount_; }
 
-    /** Sets the views of the frame, one or two; the functions below refer to them. Costs a few dot products for each group and view.
-     * Allocates nothing. */
-    void look(std::span<const Cameraf> views);
+    /** Sets the views of the frame, one or two, in the splats' own space and metres; the functions below refer to them. scale: metres of
+     * the world that one of these metres takes. Costs a few dot products for each group and view. Allocates nothing. */
+    void look(std::span<const Cameraf> views, float scale = 1);
     /** The detail with which `perPixel` splats a pixel are drawn. */
     GeneralDetail detail(float perPixel) const;
     /** Upper bound of the splats drawn; continuous in perPixel and the views, and rises with perPixel. Splats behind the cameras count only

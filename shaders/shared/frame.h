@@ -15,19 +15,19 @@
 #include "shaders/shared/limits.h"
 DPL_SHARED_BEGIN
 
-struct ViewData {            // one view of the frame
-    vec4 viewFromWorldRow0;  // rows of [R | t]: x right, y down, z forward, metres
+struct ViewData {            // one view of the frame. "World" is the space of the subject, which may stand elsewhere (sdk/math/placement.h)
+    vec4 viewFromWorldRow0;  // rows of [scale R | t]: x right, y down, z forward, metres of the view, to which the subject is scaled
     vec4 viewFromWorldRow1;
     vec4 viewFromWorldRow2;
     vec2 focalPx;
     vec2 centrePx;                                     // principal point
     float minSlopeX, maxSlopeX, minSlopeY, maxSlopeY;  // limits of x/z and y/z in the Jacobian
-    float eyeX, eyeY, eyeZ;                            // in world space, metres
+    float eyeX, eyeY, eyeZ;                            // in the subject's space and metres
     float pad0;
 };
 DPL_SHARED_SIZE(ViewData, 96)
 
-struct PixelPlane {  // width in metres of a pixel of one view at a world point = axis · point + offsetM
+struct PixelPlane {  // width in metres, of the subject, of a pixel of one view at a point of the subject = axis · point + offsetM
     float axisX, axisY, axisZ;
     float offsetM;
 };
@@ -36,16 +36,18 @@ DPL_SHARED_SIZE(PixelPlane, 16)
 // The only uniform block, one for each subject. The CPU writes it before each frame.
 struct FrameData {
     ViewData views[2];
-    float sortAxisX, sortAxisY, sortAxisZ;  // unit mean forward axis of the views, in world space
-    float sortStartM;                       // depth along the sort axis, metres; everything that a view sees lies beyond it
-    vec2 targetPx;                          // width and height of one view
-    float kappaPx2;                         // low-pass of one coverage sample
-    float splatsPerM2;                      // avatars: density at rest that level of detail asks for; 0: all splats (lib/detail.glsl)
-    uint compensated;                       // 1: the low-pass preserves energy
-    uint unseenComponents;                  // bits of the components that no view sees (sdk/visibility/components.h)
-    uint splatCount;                        // of the scene set: number of records for one view
-    uint pad0;
-    float largestGrowth;        // avatars: upper bound of the factor by which level of detail enlarges splats
+    // Depth by which splats are sorted, the same for all subjects: sortAxis · point of the subject + sortOffsetM, in metres along the mean
+    // forward axis of the views.
+    float sortAxisX, sortAxisY, sortAxisZ;
+    float sortStartM;           // everything that a view sees lies beyond this depth
+    vec2 targetPx;              // width and height of one view
+    float kappaPx2;             // low-pass of one coverage sample
+    float splatsPerM2;          // avatars: density at rest that level of detail asks for; 0: all splats (lib/detail.glsl)
+    uint compensated;           // 1: the low-pass preserves energy
+    uint unseenComponents;      // bits of the components that no view sees (sdk/visibility/components.h)
+    uint splatCount;            // of the scene set: number of records for one view
+    float sortOffsetM;          // depth of the subject's origin
+    float largestGrowth;        // avatars: upper bound of the factor by which level of detail and the placement enlarge splats
     float shShare;              // avatars: weight of the SH bands above 0; at 0 their coefficients are not read
     float splatsPerPixel;       // general splats: density that level of detail asks for; 0: all splats
     float finestPixelM;         // general splats: lower limit of the pixel width used for level of detail, metres
@@ -80,7 +82,7 @@ DPL_CONST uint kCorrectedVertexFours = 3u;
 DPL_SHARED_SIZE(CorrectedVertexRecord, 16 * kCorrectedVertexFours)
 
 struct PosedVertex {  // one for each vertex, written each frame
-    float x, y, z;    // world, metres
+    float x, y, z;    // in the subject's space, metres
     float light;      // brightness
 };
 DPL_SHARED_SIZE(PosedVertex, 16)
@@ -118,7 +120,7 @@ DPL_CONST uint kTriangleFrameFours = 5u;
 DPL_SHARED_SIZE(TriangleFrame, 16 * kTriangleFrameFours)
 
 struct GeneralSplatRecord {           // constant, one for each general splat
-    float centreX, centreY, centreZ;  // world, metres
+    float centreX, centreY, centreZ;  // in the subject's space, metres
     float opacity;
     float axis1X, axis1Y, axis1Z;  // unit axes × standard deviations, metres
     float pad1;

@@ -15,6 +15,7 @@
 #include "sdk/render/passes/tiles.h"
 #include "tests/metal/software/software_device.h"
 #include "tests/reference/random_scene_depth.h"
+#include "tests/unit/render/placed_pictures.h"
 #include "tests/unit/render/vulkan_image.h"
 
 namespace dpl {
@@ -100,6 +101,16 @@ TEST_P(MetalFrame, equalsTheReferee) {
             EXPECT_GT(d.covered, 0.05);
         }
         EXPECT_TRUE(c.views == 1 || images[0].rgba != images[1].rgba);
+    }
+}
+
+TEST(MetalFrame, placedSubjectsEqualAMovedCameraOrMovedNumbers) {
+    for (const Fill fill : {Fill::Quads, Fill::Tiles}) {
+        TestMetal metal(fill);
+        ASSERT_TRUE(metal.renderer);
+        expectEqualToAMovedCamera(*metal.renderer);
+        expectEqualToScaledNumbers(*metal.renderer);
+        expectSortedInTheWorld(*metal.renderer);
     }
 }
 

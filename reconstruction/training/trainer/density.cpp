@@ -48,9 +48,9 @@ float halvedLogit(float opacity) {
 }
 
 /** New splats, placed one after another, with their Adam rows. */
-class Placement {
+class SplatPlacement {
 public:
-    Placement(const TrainableSplats& from, const AdamRows& adam, uint32_t count) : from_(from), adam_(adam) {
+    SplatPlacement(const TrainableSplats& from, const AdamRows& adam, uint32_t count) : from_(from), adam_(adam) {
         splats.resize(count, from.shDegree);
         splats.sizeFloorM = from.sizeFloorM;
         moments.resize(count, from.stride);
@@ -85,7 +85,7 @@ DensityReport densify(TrainableSplats& splats, AdamRows& adam, DensityStatistics
     const uint32_t count = splats.count(), stride = splats.stride, newCount = choice.kept + choice.grown;
     DensityReport report;
     report.pruned = count - choice.kept;
-    Placement placement(splats, adam, newCount);
+    SplatPlacement placement(splats, adam, newCount);
     std::vector<float> row(stride);
     for (uint32_t i = 0; i < count; ++i) {
         if (!choice.keep[i]) continue;

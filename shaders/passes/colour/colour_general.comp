@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// SH colour of each general splat in the views that show it. The coefficients are in world space, so there is no rotation and no
-// brightness.
+// SH colour of each general splat in the views that show it. The coefficients are in the space of the splats, so there is no
+// rotation and no brightness.
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #include "shaders/shared/frame.h"

@@ -112,7 +112,7 @@ void main() {
             if (seen) {
                 dplFetchSh(s.index, frame.shShare > 0.0);
                 for (uint v = 0u; v < kViews; ++v) p[v].colour = shadeIn(frame.views[v], s);
-                depth = floatBitsToUint(dot(vec3(frame.sortAxisX, frame.sortAxisY, frame.sortAxisZ), s.centre));
+                depth = floatBitsToUint(dot(vec3(frame.sortAxisX, frame.sortAxisY, frame.sortAxisZ), s.centre) + frame.sortOffsetM);
             }
             for (uint v = 0u; v < kViews; ++v) {
                 uint slot = v * frame.splatCount + push.firstSplat + s.index;

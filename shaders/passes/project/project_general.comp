@@ -72,7 +72,7 @@ void main() {
             s.axis2 = share.growth * vec3(r.axis2X, r.axis2Y, r.axis2Z);
             s.axis3 = share.growth * vec3(r.axis3X, r.axis3Y, r.axis3Z);
             for (uint v = 0u; v < kViews; ++v) seen = showIn(frame.views[v], v * frame.splatCount + push.firstSplat + index, s) || seen;
-            if (seen) depth = floatBitsToUint(dot(sortAxis, s.centre));
+            if (seen) depth = floatBitsToUint(dot(sortAxis, s.centre) + frame.sortOffsetM);
         } else {
             // read by the colour pass
             for (uint v = 0u; v < kViews; ++v) projected[v * frame.splatCount + push.firstSplat + index].opacityAndRadius = 0u;
@@ -82,7 +82,7 @@ void main() {
     if (lane == 0u) {
         visibility[push.firstGroup + group] = 1u;
         visibility[dplFirstRange(push.allGroups) + push.firstGroup + group] = dplRange(push.firstSplat + group * kSplatGroup, min(push.splatCount - group * kSplatGroup, kSplatGroup));
-        float there = dot(sortAxis, middle), either = dot(abs(sortAxis), reach);
+        float there = dot(sortAxis, middle) + frame.sortOffsetM, either = dot(abs(sortAxis), reach);
         atomicMax(counts.depthMaxBits[push.drawn], dplOrderedBits(max(there + either, frame.sortStartM)));
         atomicMax(counts.depthMinBitsInverted[push.drawn], ~dplOrderedBits(max(there - either, frame.sortStartM)));
     }

@@ -103,7 +103,7 @@ void main() {
         addJoint(p, rest, v.joints23 & 0xFFFFu, (v.weights >> 16u) & 0xFFu);
         addJoint(p, rest, v.joints23 >> 16u, v.weights >> 24u);
         posed[vertex] = PosedVertex(p.x, p.y, p.z, light);
-        uint depth = dplOrderedBits(max(dot(vec3(frame.sortAxisX, frame.sortAxisY, frame.sortAxisZ), p), frame.sortStartM));
+        uint depth = dplOrderedBits(max(dot(vec3(frame.sortAxisX, frame.sortAxisY, frame.sortAxisZ), p) + frame.sortOffsetM, frame.sortStartM));
         atomicMax(groupMax, depth);
         atomicMax(groupMinInverted, ~depth);
     }

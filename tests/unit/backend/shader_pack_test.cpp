@@ -51,8 +51,8 @@ TEST(ShaderPack, structsHaveTheSameOffsetsInCppAndInTheBuiltShaders) {
                  {DPL_AT(FrameData, views), DPL_AT(FrameData, sortAxisX), DPL_AT(FrameData, sortAxisY), DPL_AT(FrameData, sortAxisZ),
                   DPL_AT(FrameData, sortStartM), DPL_AT(FrameData, targetPx), DPL_AT(FrameData, kappaPx2), DPL_AT(FrameData, splatsPerM2),
                   DPL_AT(FrameData, compensated), DPL_AT(FrameData, unseenComponents), DPL_AT(FrameData, splatCount),
-                  DPL_AT(FrameData, pad0), DPL_AT(FrameData, largestGrowth), DPL_AT(FrameData, shShare), DPL_AT(FrameData, splatsPerPixel),
-                  DPL_AT(FrameData, finestPixelM), DPL_AT(FrameData, pixelPlanes)});
+                  DPL_AT(FrameData, sortOffsetM), DPL_AT(FrameData, largestGrowth), DPL_AT(FrameData, shShare),
+                  DPL_AT(FrameData, splatsPerPixel), DPL_AT(FrameData, finestPixelM), DPL_AT(FrameData, pixelPlanes)});
     expectLayout("PosedVertex", sizeof(PosedVertex),
                  {DPL_AT(PosedVertex, x), DPL_AT(PosedVertex, y), DPL_AT(PosedVertex, z), DPL_AT(PosedVertex, light)});
     expectLayout("TriangleRecord", sizeof(TriangleRecord),

@@ -125,8 +125,8 @@ TEST(SplatGroups, nothingVisibleNothingBound) {
         const Cameraf camera = lookAt({0, 1, 3}, {0, 1, 0}, 100, 100, 120);
         std::vector<Mat3x4f> joints;
         jointTransforms(s.avatar.joints, s.rest(), joints);
-        DetailMember member{&s.subject, joints};
-        EXPECT_LE(chooseDetails({4, 100}, {&camera, 1}, {&member, 1}).drawn, s.splats.count());
+        DetailMember member{.avatar = &s.subject, .worldFromRest = joints, .views = {&camera, 1}};
+        EXPECT_LE(chooseDetails({4, 100}, {&member, 1}).drawn, s.splats.count());
         EXPECT_TRUE(member.pixelM > 0 && std::isfinite(member.pixelM));
     }
 }
@@ -262,7 +262,8 @@ TEST(Detail, oneBudgetLowersAllAlike) {
     std::vector<Mat3x4f> joints[2];
     jointTransforms(near.avatar.joints, near.rest(), joints[0]), jointTransforms(far.avatar.joints, away, joints[1]);
     DetailMember out[3] = {{&near.subject, joints[0]}, {&far.subject, joints[1]}, {nullptr, {}, &cloud.subject}};
-    const auto choose = [&](const DetailOptions& options) { return chooseDetails(options, {&camera, 1}, out).drawn; };
+    for (DetailMember& m : out) m.views = {&camera, 1};
+    const auto choose = [&](const DetailOptions& options) { return chooseDetails(options, out).drawn; };
     const uint64_t all = near.splats.count() + far.splats.count() + cloud.subject.splatCount();
     EXPECT_EQ(choose({}), all);
     EXPECT_TRUE(out[0].detail.full() && out[1].detail.full() && out[2].generalDetail.full());
@@ -302,7 +303,8 @@ TEST(Detail, limitsLowerWhatTheHostWantsAndNeverRaiseIt) {
     std::vector<Mat3x4f> joints;
     jointTransforms(s.avatar.joints, s.rest(), joints);
     DetailMember out[2] = {{&s.subject, joints}, {nullptr, {}, &cloud.subject}};
-    const auto choose = [&](const DetailOptions& options) { return chooseDetails(options, {&camera, 1}, out); };
+    for (DetailMember& m : out) m.views = {&camera, 1};
+    const auto choose = [&](const DetailOptions& options) { return chooseDetails(options, out); };
     const uint64_t all = s.splats.count() + cloud.subject.splatCount();
     EXPECT_EQ(choose({}).wantedKept, all);
     for (const DetailOptions host : {DetailOptions{}, DetailOptions{2, 0}, DetailOptions{0, 3000}, DetailOptions{2, 500}}) {
@@ -336,6 +338,7 @@ TEST(Detail, aKeptLimitBelowAllSplatsBeginsWithoutAStep) {
     std::vector<Mat3x4f> joints;
     jointTransforms(s.avatar.joints, s.rest(), joints);
     DetailMember out[1] = {{&s.subject, joints}};
+    out[0].views = {&camera, 1};
     const auto opacity = [&] {
         double sum = 0;
         s.forGroups([&](uint32_t, uint32_t count, const SplatGroup& g) {
@@ -347,7 +350,7 @@ TEST(Detail, aKeptLimitBelowAllSplatsBeginsWithoutAStep) {
     const double all = s.splats.count();
     double before = all;
     for (double limit = all - 1; limit > 0.1 * all; limit *= 0.98) {
-        chooseDetails({0, 0, {0, uint32_t(limit)}}, {&camera, 1}, out);
+        chooseDetails({0, 0, {0, uint32_t(limit)}}, out);
         EXPECT_LE(opacity(), before);
         EXPECT_GT(opacity(), before - 0.03 * all) << limit;
         before = opacity();
