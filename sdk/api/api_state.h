@@ -3,6 +3,7 @@
 // to sdk/api.
 #pragma once
 
+#include <array>
 #include <cstring>
 #include <memory>
 #include <mutex>
@@ -51,6 +52,8 @@ struct Context {
     ~Context();
 };
 
+constexpr std::array<float, 12> kStandsAtOrigin = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0};  // a row-major 3×4 identity
+
 /** The object behind a DplAvatar. context->mutex guards all that changes after loading. */
 struct Avatar {
     std::shared_ptr<Context> context;
@@ -63,6 +66,8 @@ struct Avatar {
     Vec3f restMin{0}, restMax{0};
     Pose pose, givenPose;                                          // givenPose: scratch of dplSetPose and dplSetPoseFromClips
     MotionClock clock;                                             // of `pose`
+    std::array<float, 12> worldFromAvatar = kStandsAtOrigin;       // as given
+    Placement placement;                                           // the same
     uint32_t drawnViews = 0, drawnWidthPx = 0, drawnHeightPx = 0;  // of the last frame that belongs to this avatar; 0 views: none
     bool drawnDepth = false, drawnMeshDepth = false;
     Governor governor;                             // of the pictures that belong to this avatar

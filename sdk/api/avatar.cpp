@@ -265,7 +265,11 @@ DplResult dplGetNearestDistance(DplAvatar avatar, const float* point, const floa
         std::lock_guard lock(found->context->mutex);
         const std::vector<JointData>& joints = found->data->joints;
         if (!found->data->captureMap.empty()) jointTransforms(joints, found->pose, found->transforms);
-        *distanceM = nearestDistanceM(found->data->captureMap, joints, found->transforms, at, from - at, focalPx, magnification);
+        const Placement& placed = found->placement;
+        const Vec3f ownPoint(placed.toOwn(Vec3d(at))), ownDirection(placed.directionToOwn(Vec3d(from) - Vec3d(at)));
+        // A detail is `scale` times as large in the world, so the distance from which it takes as many pixels is as well.
+        *distanceM = float(placed.scale) *
+                     nearestDistanceM(found->data->captureMap, joints, found->transforms, ownPoint, ownDirection, focalPx, magnification);
         return {};
     });
 }
@@ -279,7 +283,7 @@ DplResult dplGetJointPositions(DplAvatar avatar, float* positions, uint32_t join
         std::lock_guard lock(found->context->mutex);
         jointTransforms(joints, found->pose, found->transforms);
         for (uint32_t j = 0; j < jointCount; ++j) {
-            const Vec3f p = found->transforms[j] * Vec4f(joints[j].restPosition, 1);
+            const Vec3f p(found->placement.toWorld(Vec3d(found->transforms[j] * Vec4f(joints[j].restPosition, 1))));
             for (int axis = 0; axis < 3; ++axis) positions[size_t(j) * 3 + size_t(axis)] = p[axis];
         }
         return {};

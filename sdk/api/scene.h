@@ -18,11 +18,11 @@ struct Scene {
     std::unique_lock<std::mutex> lock;
     std::span<const float> sceneDepthM[DPL_MAX_VIEWS];
 
-    /** The avatars in their current poses, which are shown by this: clothes remember them. */
+    /** The avatars in their current poses and places. The poses are shown by this: clothes remember them. */
     std::span<const Drawn> drawn(Drawn (&what)[DPL_MAX_TOGETHER]) const {
         for (size_t i = 0; i < count; ++i) {
             avatars[i]->clock.show(avatars[i]->data->correctives.motion, avatars[i]->pose);
-            what[i] = {avatars[i]->renderId, &avatars[i]->pose};
+            what[i] = {avatars[i]->renderId, &avatars[i]->pose, avatars[i]->placement};
         }
         return {what, count};
     }

@@ -52,7 +52,8 @@ static void callPoses(DplAvatar avatar, uint32_t joints) {
     float rotations[4 * kMostJoints], read[4 * kMostJoints], root[3] = {1, 0, 0}, positions[3 * kMostJoints], distances[kMostJoints];
     DplPoseTrust trust = {0};
     DplCaptureDetail detail = {0};
-    float eye[3] = {0, 0, 9}, distanceM = -1;
+    const float twiceAsLarge[12] = {2, 0, 0, 0, 0, 2, 0, 3, 0, 0, 2, 0};
+    float eye[3] = {0, 0, 9}, distanceM = -1, placed[12];
     DplClipInfo clip = {0};
     DplJointInfo joint = {0};
     DplFileAxes axes = {0};
@@ -78,6 +79,12 @@ static void callPoses(DplAvatar avatar, uint32_t joints) {
     joint.structSize = sizeof joint;
     OK(dplGetJointInfo(avatar, 0, &joint));
     CHECK(joint.parent == -1 && strcmp(joint.humanoidBone, "hips") == 0);
+    OK(dplSetTransform(avatar, twiceAsLarge));
+    OK(dplGetTransform(avatar, placed));
+    CHECK(memcmp(placed, twiceAsLarge, sizeof placed) == 0);
+    OK(dplGetJointPositions(avatar, positions, joints));
+    CHECK(fabsf(positions[0] - 2 * (joint.restPosition[0] + 1)) < 1e-5f && fabsf(positions[1] - 2 * joint.restPosition[1] - 3) < 1e-5f);
+    OK(dplSetTransform(avatar, NULL));
     OK(dplGetJointPositions(avatar, positions, joints));
     CHECK(fabsf(positions[0] - joint.restPosition[0] - 1) < 1e-5f);
     OK(dplFindJoint(avatar, "leftHand", &found));

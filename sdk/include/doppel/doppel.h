@@ -10,7 +10,8 @@
  *   dplRender(context, avatar, &camera, 1, &image);
  *
  * Units and frames. Lengths are metres, times seconds, angles radians, image positions pixels. World and avatar are right-handed,
- * +Y up. An avatar at rest stands at the origin with its feet at y = 0 and faces +Z; its left is +X. Quaternions are x, y, z, w.
+ * +Y up. In avatar space, an avatar at rest stands at the origin with its feet at y = 0 and faces +Z; its left is +X. Poses are of avatar
+ * space, which dplSetTransform places in the world; until then both are one. Quaternions are x, y, z, w.
  * A camera looks along its +z axis, with x to the right and y down.
  *
  * Threads. Every function may be called from any thread. Calls on the same context and its avatars wait for one another; only while
@@ -265,7 +266,7 @@ typedef struct DplAvatarInfo {
     uint32_t layerCount;
     uint32_t clipCount; /**< dplLoadClip adds one */
     uint32_t shDegree;  /**< highest degree of the spherical harmonics; 0: the colour does not depend on the direction */
-    /** Bounding box of the mesh at rest, metres. General splats: the middle 98 % of their centres, at least 3 deviations. */
+    /** Bounding box of the mesh at rest, metres, avatar space. General splats: the middle 98 % of their centres, at least 3 deviations. */
     float restMin[3];
     float restMax[3];
     /** What the file holds. If memory was short, splatCount or shDegree is lower: see dplSetMemoryLimit. */
@@ -281,8 +282,8 @@ typedef struct DplFileAxes {
     /** DPL_TRUE: the file, or the standard of its format, says how it stands (avatars: y up). DPL_FALSE: nobody does, and general splats
      *  keep the coordinates of their file; in many PLY files y points down. */
     uint32_t stated;
-    /** How loading turned the file upright, for programs that let people say otherwise: 3 columns. Orthogonal; of determinant -1 if the
-     *  file's axes are mirrored. The identity if nothing is stated. */
+    /** How loading turned the file upright, for programs that let people say otherwise (dplSetTransform): 3 columns. Orthogonal; of
+     * determinant -1 if the file's axes are mirrored. The identity if nothing is stated. */
     float loadedFromFile[9];
 } DplFileAxes;
 
@@ -304,11 +305,26 @@ DPL_API DplResult dplGetJointInfo(DplAvatar avatar, uint32_t joint, DplJointInfo
 /** Finds a joint by its name, or else by its humanoid bone. DPL_ERROR_NOT_FOUND: the text lists all names. */
 DPL_API DplResult dplFindJoint(DplAvatar avatar, const char* name, uint32_t* joint);
 
+/* ---------------------------------------------------------------- where it stands */
+
+/** Places an avatar or general splats in the world; after the pose, in every picture from now on, until it is changed.
+ *  worldFromAvatar: a 3×4 matrix, row by row, 12 floats, copied: X_world = s R X_avatar + t with rows [sR0 sR1 sR2 t]. R is a rotation,
+ *  s one scale of 0.001 to 1000, t a translation in metres of at most 100 km. NULL: the identity, as after loading.
+ *  The picture is that of a camera which was moved the other way. Pose, trust, what clothes remember and what keeps splats from
+ *  stretching do not know of it. Depths, the near plane and its fade stay in metres of the world. Level of detail goes by the size in
+ *  the world. It may change every frame at no cost.
+ *  DPL_ERROR_INVALID_ARGUMENT: a number that is not finite, a mirror, a shear, more than one scale (each beyond 0.1 %), or a scale or
+ *  translation out of range. The previous transform then stays. */
+DPL_EXPERIMENTAL DplResult dplSetTransform(DplAvatar avatar, const float* worldFromAvatar);
+
+/** Copies the current transform: 12 floats, as they were given. */
+DPL_EXPERIMENTAL DplResult dplGetTransform(DplAvatar avatar, float* worldFromAvatar);
+
 /* ---------------------------------------------------------------- poses and clips */
 
 /** Poses the avatar; the arrays are copied.
  *  rotations: one local quaternion (x, y, z, w) per joint; the library normalises them. Joint frames are parallel to the world at rest, so
- *  the identity at every joint is the rest pose. rootTranslation: three floats, metres; NULL: zero.
+ *  the identity at every joint is the rest pose. rootTranslation: three floats, metres, avatar space; NULL: zero.
  *  DPL_ERROR_INVALID_ARGUMENT: wrong jointCount, general splats, a rotation that is zero or not finite (the text names the joint), or a
  *  root translation beyond 100 km. The previous pose then stays. */
 DPL_API DplResult dplSetPose(DplAvatar avatar, const float* rotations, uint32_t jointCount, const float* rootTranslation);
@@ -335,7 +351,7 @@ DPL_EXPERIMENTAL DplResult dplSetMotionState(DplAvatar avatar, const uint8_t* st
 /** Copies the current pose: 4·jointCount floats to rotations, 3 floats to rootTranslation. Either may be NULL. */
 DPL_API DplResult dplGetPose(DplAvatar avatar, float* rotations, uint32_t jointCount, float* rootTranslation);
 
-/** World positions of all joints in the current pose: 3·jointCount floats, metres. */
+/** World positions of all joints in the current pose and transform: 3·jointCount floats, metres. */
 DPL_API DplResult dplGetJointPositions(DplAvatar avatar, float* positions, uint32_t jointCount);
 
 /** What dplGetPoseTrust tells. */
@@ -371,8 +387,8 @@ DPL_API DplResult dplGetCaptureDetail(DplAvatar avatar, uint32_t joint, DplCaptu
 
 /** The nearest distance, metres, from which a detail that the scan's pictures just show is drawn over `magnification` pixels: nearer, the
  *  avatar only grows larger. A viewer may keep its camera at least so far from `point`.
- *  point: three floats, metres, world: what the camera looks at, on or in the avatar in its current pose; the joint nearest to it decides.
- *  eye: where the camera is; only its direction from the point counts. focalPx: focal length in pixels of the picture.
+ *  point: three floats, metres, world: what the camera looks at, on or in the avatar in its current pose and transform; the joint nearest
+ * to it decides. eye: where the camera is; only its direction from the point counts. focalPx: focal length in pixels of the picture.
  *  *distanceM is 0 when the file has no capture map, and for general splats.
  *  DPL_ERROR_INVALID_ARGUMENT: numbers that are not finite, focalPx or magnification not above 0, or NULL. */
 DPL_API DplResult dplGetNearestDistance(DplAvatar avatar, const float* point, const float* eye, float focalPx, float magnification,
@@ -531,8 +547,8 @@ typedef enum DplTrackFormat {
 typedef enum DplTrackerFlag {
     /** Neither smooths nor extrapolates: for OpenXR, whose runtimes give poses for the display time. */
     DPL_TRACKER_RAW = 1,
-    /** The avatar stands where the person stands in the tracker's space. Otherwise it starts above the origin, and its travel is scaled by
-     * the ratio of leg lengths. Feet stand on the avatar's floor, y = 0, either way. */
+    /** The avatar stands where the person stands in the tracker's space, which avatar space then is. Otherwise it starts above the origin,
+     * and its travel is scaled by the ratio of leg lengths. Feet stand on the avatar's floor, y = 0, either way. */
     DPL_TRACKER_KEEP_PLACE = 2,
     /** The avatar stays on its spot. With DPL_TRACK_OPENXR_HANDS, poses are then those of the avatar's own space, and its body turns not.
      */
@@ -698,7 +714,7 @@ DPL_API DplResult dplReadImages(DplContext context, DplAvatar avatar, const DplI
 #define DPL_MAX_TOGETHER 16u /**< avatars and sets of general splats in one picture */
 
 /** dplRender for several avatars in one picture. Their splats are sorted together, so the avatars may overlap: stand close, hold hands,
- *  embrace. avatars: 1 to DPL_MAX_TOGETHER different avatars or general splats of this context. Place avatars by their root translations.
+ *  embrace. avatars: 1 to DPL_MAX_TOGETHER different avatars or general splats of this context. Place them by dplSetTransform.
  *  The picture belongs to the first avatar: pass that one to dplReadImages, dplGetFrameStats and dplGetPassTime.
  *  The avatars of one picture, in their order, are a scene set. The context keeps resources for the last four sets of several avatars.
  *  DPL_ERROR_UNSUPPORTED: together they have more splats than the device can bind. */

@@ -211,6 +211,13 @@ public:
         return index;
     }
     Result<DplClipInfo> clip(uint32_t index) const { return filled<DplClipInfo>(dplGetClipInfo, handle_, index); }
+    /** Where it stands, until changed: a row-major 3×4 matrix of a rotation, one scale and a translation. See dplSetTransform. */
+    Status setTransform(std::span<const float, 12> worldFromAvatar) { return status(dplSetTransform(handle_, worldFromAvatar.data())); }
+    Result<std::array<float, 12>> transform() const {
+        std::array<float, 12> worldFromAvatar{};
+        if (const DplResult r = dplGetTransform(handle_, worldFromAvatar.data()); r != DPL_OK) return lastError(r);
+        return worldFromAvatar;
+    }
     /** rotations: 4 floats (x, y, z, w) per joint, local. rootTranslation: 3 floats, metres, or empty for zero. */
     Status setPose(std::span<const float> rotations, std::span<const float> rootTranslation = {}) {
         if (Status fits = checkPoseSizes(rotations.size(), rootTranslation.size()); !fits) return fits;
@@ -285,7 +292,7 @@ public:
         if (const DplResult r = dplCreateTracker(handle_, &wanted, &made); r != DPL_OK) return lastError(r);
         return Tracker(made);
     }
-    /** World positions of all joints in the current pose, 3 floats each, metres. */
+    /** World positions of all joints in the current pose and transform, 3 floats each, metres. */
     Result<std::vector<float>> jointPositions() const {
         auto about = info();
         if (!about) return about.error();

@@ -71,6 +71,8 @@ uint64_t playFrames(DplContext context, DplAvatar avatar, int frames, uint32_t v
             if (scene) camera.sceneDepthM = sceneDepthM.data(), camera.sceneDepthCount = sceneDepthM.size();
         AllocationCount count;
         setDetail(context, detail, t);
+        const float placed[12] = {1, 0, 0, 0.05f * t, 0, 1, 0, 0, 0, 0, 1, 0};
+        EXPECT_EQ(dplSetTransform(avatar, placed), DPL_OK) << dplGetLastError();
         const DplResult posed = frame % 2 ? dplSetPose(avatar, rotations, 2, root) : dplSetPoseFromClip(avatar, 0, t, DPL_TRUE);
         const DplResult drawn =
             other ? dplDrawTogether(context, both, 2, cameras, viewCount, flags) : dplDraw(context, avatar, cameras, viewCount, flags);
