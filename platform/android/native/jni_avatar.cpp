@@ -135,6 +135,17 @@ void getPose(JNIEnv* env, jclass, jlong avatar, jfloatArray rotations, jfloatArr
     write(env, root, place);
 }
 
+void setTransform(JNIEnv* env, jclass, jlong avatar, jfloatArray rows) {
+    const std::vector<float> values = floatsOf(env, rows);
+    if (values.size() != 12) return throwDoppel(env, DPL_ERROR_INVALID_ARGUMENT, "a transform has 12 numbers, row by row");
+    check(env, dplSetTransform(avatarOf(avatar), values.data()));
+}
+
+void getTransform(JNIEnv* env, jclass, jlong avatar, jfloatArray rows) {
+    std::vector<float> values(12);
+    if (check(env, dplGetTransform(avatarOf(avatar), values.data()))) write(env, rows, values);
+}
+
 void jointPositions(JNIEnv* env, jclass, jlong avatar, jfloatArray positions) {
     const auto info = infoOf(env, avatar);
     if (!info) return;
@@ -269,6 +280,8 @@ const std::vector<JNINativeMethod> kAvatarMethods = {
     method("findJoint", "(JLjava/lang/String;)I", findJoint),
     method("setPose", "(J[F[F)V", setPose),
     method("setPoseAtTime", "(J[F[FJ)V", setPoseAtTime),
+    method("setTransform", "(J[F)V", setTransform),
+    method("getTransform", "(J[F)V", getTransform),
     method("settle", "(J)V", settle),
     method("motionState", "(J)[B", motionState),
     method("setMotionState", "(J[B)V", setMotionState),

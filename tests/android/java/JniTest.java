@@ -93,6 +93,16 @@ final class JniTest {
         float[] positions = new float[6];
         Native.jointPositions(avatar, positions);
         expect(Math.abs(positions[1] - 3) < 1e-5f, "joints stand where the root puts them");
+        float[] above = {0, 0, 2, 0, 0, 2, 0, 5, -2, 0, 0, 0}; // turned about +Y, twice as large, 5 m up
+        Native.setTransform(avatar, above);
+        float[] rows = new float[12];
+        Native.getTransform(avatar, rows);
+        expect(Arrays.equals(rows, above), "a transform comes back");
+        Native.jointPositions(avatar, positions);
+        expect(Math.abs(positions[1] - 11) < 1e-5f && Math.abs(positions[2] + 2) < 1e-5f, "joints stand where it puts them");
+        expectError(DoppelException.INVALID_ARGUMENT, "12 numbers", "too few numbers", () -> Native.setTransform(avatar, new float[9]));
+        expectError(DoppelException.INVALID_ARGUMENT, "mirrors", "a mirror",
+                () -> Native.setTransform(avatar, new float[] {-1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0}));
         Native.setPoseAtTime(avatar, rotations, null, 5_000_000_000L);
         Native.getPose(avatar, back, root);
         expect(Arrays.equals(root, new float[3]), "a pose with a time is a pose");

@@ -60,6 +60,10 @@ private class ApiTest(private val work: Path) {
                 avatar.setPose(floatArrayOf(0f, 1f, 0f, 0f, 0f, 0f, 0f, 1f), floatArrayOf(0f, 0f, 2f))
                 expect(avatar.pose().rotations[1] == 1f && avatar.pose().root[2] == 2f, "a pose comes back")
                 expect(abs(avatar.jointPositions()[2] - 2f) < 1e-6f, "joints stand where the root puts them")
+                val half = floatArrayOf(0.5f, 0f, 0f, 0f, 0f, 0.5f, 0f, 0f, 0f, 0f, 0.5f, 7f)
+                avatar.transform = half
+                expect(avatar.transform.contentEquals(half), "a transform comes back")
+                expect(abs(avatar.jointPositions()[2] - 8f) < 1e-6f, "and the joints stand where it puts them")
             }
         }
     }

@@ -1,8 +1,20 @@
 // SPDX-License-Identifier: Apache-2.0
 import CDoppel
 
-/// Poses and clips.
+/// Places, poses and clips.
 extension Avatar {
+    /// Where it stands in the world, until it is changed: see `dplSetTransform`. scale: metres of the world that one of its metres takes.
+    public func setTransform(_ worldFromAvatar: RigidPose, scale: Float = 1) throws(DoppelError) {
+        try check(dplSetTransform(handle.raw, worldFromAvatar.rows(scale: scale)))
+    }
+
+    /// The transform as a 3×4 matrix, row by row, of twelve numbers.
+    public func transform() throws(DoppelError) -> [Float] {
+        var worldFromAvatar = [Float](repeating: 0, count: 12)
+        try check(dplGetTransform(handle.raw, &worldFromAvatar))
+        return worldFromAvatar
+    }
+
     /// One local rotation for each joint, quaternions x, y, z, w, and where the root stands, metres. Identity everywhere is the rest pose.
     public struct Pose: Sendable, Equatable {
         public var rotations: [SIMD4<Float>]

@@ -27,6 +27,14 @@ public struct RigidPose: Sendable, Equatable {
         return RigidPose(rotation: back, position: -turned(position, by: back))
     }
 
+    /// The matrix [scale · rotation, position], row by row.
+    func rows(scale: Float) -> [Float] {
+        let x = turned(SIMD3(scale, 0, 0), by: rotation)
+        let y = turned(SIMD3(0, scale, 0), by: rotation)
+        let z = turned(SIMD3(0, 0, scale), by: rotation)
+        return [x.x, y.x, z.x, position.x, x.y, y.y, z.y, position.y, x.z, y.z, z.z, position.z]
+    }
+
     var quaternion: [Float] { [rotation.x, rotation.y, rotation.z, rotation.w] }
     var translation: [Float] { [position.x, position.y, position.z] }
 }

@@ -95,6 +95,14 @@ final class RenderTests: XCTestCase {
         XCTAssertEqual(try avatar.pose().root, SIMD3(1, 2, 3))
         XCTAssertEqual(try avatar.pose().rotations[0].y, half, accuracy: 1e-6)
         XCTAssertEqual(try avatar.jointPositions()[0].y, 3, accuracy: 1e-5)
+        try avatar.setTransform(RigidPose(yawRad: .pi / 2, position: SIMD3(0, 5, 0)), scale: 2)
+        XCTAssertEqual(try avatar.transform()[2], 2, accuracy: 1e-5)
+        XCTAssertEqual(try avatar.transform()[7], 5)
+        XCTAssertEqual(try avatar.jointPositions()[0].y, 11, accuracy: 1e-5)
+        XCTAssertEqual(try avatar.jointPositions()[0].x, 6, accuracy: 1e-5)
+        XCTAssertThrowsError(try avatar.setTransform(RigidPose(), scale: 0)) {
+            XCTAssertEqual(($0 as? DoppelError)?.code, .invalidArgument)
+        }
         try avatar.setPose(pose, timeNs: 1_000_000_000)
         let remembered = try avatar.motionState()
         try avatar.settle()

@@ -41,6 +41,8 @@ final class Native {
     static native int findJoint(long avatar, String name);
     static native void setPose(long avatar, float[] rotations, float[] root);
     static native void setPoseAtTime(long avatar, float[] rotations, float[] root, long timeNs);
+    static native void setTransform(long avatar, float[] rows);
+    static native void getTransform(long avatar, float[] rows);
     static native void settle(long avatar);
     static native byte[] motionState(long avatar);
     static native void setMotionState(long avatar, byte[] state);

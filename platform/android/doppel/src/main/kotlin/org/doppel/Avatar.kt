@@ -80,6 +80,14 @@ class Avatar internal constructor(number: Long) : Closeable {
     /** By name, or by VRM humanoid bone. */
     fun findJoint(name: String): Int = Native.findJoint(number, name)
 
+    /**
+     * Where it stands in the world, until it is changed: a rotation, one scale and a translation as a 3 x 4 matrix, row by row. Twelve
+     * numbers; see dplSetTransform.
+     */
+    var transform: FloatArray
+        get() = FloatArray(12).also { Native.getTransform(number, it) }
+        set(worldFromAvatar) = Native.setTransform(number, worldFromAvatar)
+
     /** rotations: x, y, z, w of each joint, local; identity at every joint is the rest pose. root: metres, or null for zero. */
     fun setPose(rotations: FloatArray, root: FloatArray? = null) = Native.setPose(number, rotations, root)
 
