@@ -35,6 +35,13 @@ AvatarScene::~AvatarScene() {
     end();
 }
 
+std::array<float, 12> AvatarScene::worldFromAvatar() const {
+    const XrQuaternionf& turn = worldFromAvatar_.orientation;
+    const XrVector3f x = xr::rotate(turn, {1, 0, 0}), y = xr::rotate(turn, {0, 1, 0}), z = xr::rotate(turn, {0, 0, 1}),
+                     &t = worldFromAvatar_.position;
+    return {x.x, y.x, z.x, t.x, x.y, y.y, z.y, t.y, x.z, y.z, z.z, t.z};
+}
+
 doppel::Status AvatarScene::begin(const xr::SessionImages& images) {
     images_ = &images;
     DPL_SHELL_OK(makePasses());
@@ -163,20 +170,6 @@ void AvatarScene::drawRoom(VkCommandBuffer commands, const xr::GroupImages& imag
     vkCmdEndRenderPass(commands);
 }
 
-DplCamera AvatarScene::cameraOfAvatar(const DplCamera& camera) const {
-    DplCamera moved = camera;
-    XrVector3f columns[4] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}, worldFromAvatar_.position};
-    for (int i = 0; i < 3; ++i) columns[i] = xr::rotate(worldFromAvatar_.orientation, columns[i]);
-    for (int row = 0; row < 3; ++row) {
-        const float* m = camera.viewFromWorld + 4 * row;
-        for (int column = 0; column < 4; ++column) {
-            const XrVector3f& c = columns[column];
-            moved.viewFromWorld[4 * row + column] = m[0] * c.x + m[1] * c.y + m[2] * c.z + (column == 3 ? m[3] : 0);
-        }
-    }
-    return moved;
-}
-
 void AvatarScene::originMoved(const XrPosef& oldFromNew) {
     using xr::operator*;
     const XrPosef newFromOld = xr::inverse(oldFromNew);
@@ -200,9 +193,9 @@ void AvatarScene::moveByControllers(const xr::Session& session) {
     if (xr::makeValid(place)) worldFromAvatar_ = place;
 }
 
-/** The pose of the clip, in which the user's hands, and before a mirror the head, take over. */
+/** Where the avatar stands, and the pose of the clip, in which the user's hands, and before a mirror the head, take over. */
 doppel::Status AvatarScene::poseAvatar(const xr::Frame& frame) {
-    if (rest_.empty()) return {};  // general splats
+    if (rest_.empty()) return avatar_.setTransform(worldFromAvatar());  // general splats
     xr::User user = options_.mirror ? xr::mirrored(mirror_, frame.user) : frame.user;
     if (!options_.withHands) {
         for (xr::Hand& hand : user.hands) hand.located = 0;
@@ -210,6 +203,7 @@ doppel::Status AvatarScene::poseAvatar(const xr::Frame& frame) {
     }
     const XrPosef body = stance_.of(user);
     if (options_.mirror) worldFromAvatar_ = body;
+    DPL_SHELL_OK(avatar_.setTransform(worldFromAvatar()));
     if (options_.clip) {
         DPL_SHELL_OK(avatar_.setPoseFromClip(*options_.clip, frame.timeS));
     } else {
@@ -230,10 +224,8 @@ doppel::Status AvatarScene::draw(const xr::Frame& frame) {
     const DplAvatar avatars[] = {avatar_.handle()};
     for (uint32_t g = 0; g < frame.groupCount; ++g) {
         const xr::GroupFrame& group = frame.groups[g];
-        DplCamera cameras[xr::kMaxViewsOfGroup];
-        for (uint32_t v = 0; v < group.views; ++v) cameras[v] = cameraOfAvatar(group.cameras[v]);
-        DPL_SHELL_OK(
-            doppel::status(dplVulkanPrepare(runtime_.context(), commands, group.slot, avatars, 1, cameras, group.views, group.depths)));
+        DPL_SHELL_OK(doppel::status(
+            dplVulkanPrepare(runtime_.context(), commands, group.slot, avatars, 1, group.cameras, group.views, group.depths)));
         for (uint32_t p = 0; p < images_->groups[g].passes; ++p) {
             VkRenderPassBeginInfo begin{VK_STRUCTURE_TYPE_RENDER_PASS_BEGIN_INFO};
             begin.renderPass = composing_;

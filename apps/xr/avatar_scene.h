@@ -3,6 +3,7 @@
 // the avatar, composed over it, with its depth.
 #pragma once
 
+#include <array>
 #include <doppel/doppel.hpp>
 #include <memory>
 #include <optional>
@@ -38,13 +39,13 @@ public:
     /** Where the avatar stands. */
     void place(const XrPosef& worldFromAvatar) { worldFromAvatar_ = worldFromAvatar; }
     const XrPosef& place() const { return worldFromAvatar_; }
+    /** The same for Avatar::setTransform. */
+    std::array<float, 12> worldFromAvatar() const;
     /** After a frame of the session: select puts the avatar where a controller points at the floor, and a stick turns it. What the session
      *  says of its origin is followed too. */
     void moveByControllers(const xr::Session& session);
     /** The user or the runtime has moved the origin of the world (Session::originMoved): things stay where they are in the room. */
     void originMoved(const XrPosef& oldFromNew);
-    /** The camera of the avatar's own space that sees what `camera` sees in the world. */
-    DplCamera cameraOfAvatar(const DplCamera& camera) const;
 
 private:
     struct Pass {                                                    // of a group's images

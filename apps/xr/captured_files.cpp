@@ -41,9 +41,8 @@ std::string pfmOf(const xr::CapturedView& view) {
     return file;
 }
 
-nlohmann::json jsonOf(const xr::CapturedView& view, const AvatarScene& scene) {
+nlohmann::json jsonOf(const xr::CapturedView& view) {
     const DplCamera& world = view.camera;
-    const DplCamera avatar = scene.cameraOfAvatar(world);
     const XrPosef& pose = view.pose;
     return {{"widthPx", world.widthPx},
             {"heightPx", world.heightPx},
@@ -52,7 +51,6 @@ nlohmann::json jsonOf(const xr::CapturedView& view, const AvatarScene& scene) {
             {"cx", world.cx},
             {"cy", world.cy},
             {"viewFromWorld", world.viewFromWorld},
-            {"viewFromAvatar", avatar.viewFromWorld},
             {"position", {pose.position.x, pose.position.y, pose.position.z}},
             {"orientation", {pose.orientation.x, pose.orientation.y, pose.orientation.z, pose.orientation.w}},
             {"fov", {view.fov.angleLeft, view.fov.angleRight, view.fov.angleUp, view.fov.angleDown}}};
@@ -66,13 +64,14 @@ Result<std::string> writeCapture(const std::filesystem::path& folder, std::span<
     std::filesystem::create_directories(folder, error);
     if (error) return fail(Code::Io, "the folder {} cannot be made: {}", folder.string(), error.message());
     nlohmann::json all = {{"runtime", frame.runtime}, {"frame", frame.number}, {"timeS", frame.timeS}, {"clip", frame.clip}};
+    all["worldFromAvatar"] = scene.worldFromAvatar();
     all["views"] = nlohmann::json::array();
     for (size_t i = 0; i < views.size(); ++i) {
         const xr::CapturedView& view = views[i];
         DPL_TRY(const auto png, encodePng(codesOf(view), view.widthPx, view.heightPx, 4));
         DPL_RETURN_IF_ERROR(writeFileAtomically(folder / formatText("view_{}.png", i), png));
         DPL_RETURN_IF_ERROR(writeFileAtomically(folder / formatText("view_{}_depth.pfm", i), pfmOf(view)));
-        all["views"].push_back(jsonOf(view, scene));
+        all["views"].push_back(jsonOf(view));
     }
     std::string text = all.dump(1) + "\n";
     DPL_RETURN_IF_ERROR(writeFileAtomically(folder / "views.json", text));

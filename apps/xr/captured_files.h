@@ -21,7 +21,7 @@ struct CapturedFrame {
 /** Writes into the folder, which is created:
  *    view_N.png        the colour codes as they were submitted (RGBA, sRGB; half floats are encoded), alpha as it was
  *    view_N_depth.pfm  view z of room and avatar, metres; 0: nothing. Little-endian, bottom row first
- *    views.json        cameras of the world and of the avatar's own space, poses, field of view, times
+ *    views.json        cameras, poses and field of view of the eyes; where the avatar stands; times
  *  Returns the text of views.json. */
 Result<std::string> writeCapture(const std::filesystem::path& folder, std::span<const xr::CapturedView> views, const AvatarScene& scene,
                                  const CapturedFrame& frame);

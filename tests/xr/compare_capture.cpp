@@ -46,7 +46,7 @@ DplCamera cameraOf(const nlohmann::json& view) {
     camera.structSize = sizeof camera;
     camera.widthPx = view.at("widthPx"), camera.heightPx = view.at("heightPx");
     camera.fx = view.at("fx"), camera.fy = view.at("fy"), camera.cx = view.at("cx"), camera.cy = view.at("cy");
-    for (size_t i = 0; i < 12; ++i) camera.viewFromWorld[i] = view.at("viewFromAvatar").at(i);
+    for (size_t i = 0; i < 12; ++i) camera.viewFromWorld[i] = view.at("viewFromWorld").at(i);
     return camera;
 }
 
@@ -92,6 +92,8 @@ Status compare(const std::filesystem::path& avatarFile, const std::filesystem::p
         DPL_TRY(const uint32_t index, chooseClip(*avatar, clip));
         if (const auto posed = avatar->setPoseFromClip(index, capture.at("timeS")); !posed) return fromSdk(posed.error());
     }
+    const std::array<float, 12> worldFromAvatar = capture.at("worldFromAvatar");
+    if (const auto placed = avatar->setTransform(worldFromAvatar); !placed) return fromSdk(placed.error());
     size_t index = 0;
     bool good = !capture.at("views").empty();
     for (const nlohmann::json& view : capture.at("views")) {
