@@ -11,7 +11,8 @@ final class Room {
     let session = ARSession()
     private(set) var drive: BodyDrive?
     private let news = News()
-    private var roomFromAvatar = RigidPose()
+    /// Where the avatar stands. Known once `camera` has given one.
+    private(set) var roomFromAvatar = RigidPose()
     private var isPlaced = false
 
     init() { session.delegate = news }
@@ -47,7 +48,7 @@ final class Room {
     /// Turns the avatar on its spot.
     func turn(byRad yawRad: Float) { roomFromAvatar = roomFromAvatar * RigidPose(yawRad: yawRad) }
 
-    /// The phone's camera in the avatar's space, for a portrait view of this size. Nil until ARKit has a picture. Of the projection only
+    /// The phone's camera, for a portrait view of this size. Nil until ARKit has a picture. Of the projection only
     /// the lens is used: no depth is shared with RealityKit.
     func camera(widthPx: Int, heightPx: Int) throws(DoppelError) -> Camera? {
         guard let camera = session.currentFrame?.camera else { return nil }
@@ -56,7 +57,7 @@ final class Room {
         let projection = camera.projectionMatrix(
             for: .portrait, viewportSize: CGSize(width: widthPx, height: heightPx), zNear: 0.05, zFar: 100)
         return try Camera.from(
-            projection: projection.floats, pose: roomFromAvatar.inverse * roomFromEye, widthPx: widthPx, heightPx: heightPx
+            projection: projection.floats, pose: roomFromEye, widthPx: widthPx, heightPx: heightPx
         ).camera
     }
 

@@ -115,7 +115,11 @@ final class Studio: ObservableObject, AvatarScene {
     }
 
     func camera(widthPx: Int, heightPx: Int) throws(DoppelError) -> Camera {
-        if mode != .studio, let camera = try room.camera(widthPx: widthPx, heightPx: heightPx) { return camera }
+        if mode != .studio, let camera = try room.camera(widthPx: widthPx, heightPx: heightPx) {
+            try avatar?.setTransform(room.roomFromAvatar)
+            return camera
+        }
+        try avatar?.setTransform(RigidPose())
         return try Camera(pose: orbit.eye, fovYRad: Studio.fovYRad, widthPx: widthPx, heightPx: heightPx)
     }
 

@@ -55,17 +55,18 @@ final class Host: ImmersiveScene, @unchecked Sendable {  // the lock guards `sta
 
     // MARK: ImmersiveScene
 
-    var roomFromAvatars: RigidPose { lock.withLock { state.place } }
-
     func avatars(displayTimeS: Double) -> [Avatar] {
-        let (avatar, timeS) = lock.withLock {
+        let (avatar, place, timeS) = lock.withLock {
             if state.isPlaying { state.clipTimeS += displayTimeS - (state.lastTimeS ?? displayTimeS) }
             state.lastTimeS = displayTimeS
-            return (state.avatar, state.clipCount > 0 ? state.clipTimeS : nil)
+            return (state.avatar, state.place, state.clipCount > 0 ? state.clipTimeS : nil)
         }
         guard let avatar else { return [] }
-        if let timeS {
-            do { try avatar.setPose(clip: 0, timeS: timeS) } catch { problem(error) }
+        do {
+            try avatar.setTransform(place)
+            if let timeS { try avatar.setPose(clip: 0, timeS: timeS) }
+        } catch {
+            problem(error)
         }
         return [avatar]
     }

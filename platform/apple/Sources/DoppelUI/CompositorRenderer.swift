@@ -10,10 +10,9 @@
 
     /// What a CompositorRenderer shows. Called on its thread, once a frame.
     public protocol ImmersiveScene: Sendable {
-        /// Poses avatars for a picture that is shown at displayTimeS (the clock of CACurrentMediaTime), and names those to draw.
+        /// Poses avatars for a picture that is shown at displayTimeS (the clock of CACurrentMediaTime), and names those to draw. Where they
+        /// stand in the room is their `Avatar.setTransform`.
         func avatars(displayTimeS: Double) -> [Avatar]
-        /// Where the avatars' floor stands in the room, and how it is turned.
-        var roomFromAvatars: RigidPose { get }
         /// A frame could not be drawn and is shown empty. Called once for each new text.
         func problem(_ error: DoppelError)
     }
@@ -94,7 +93,7 @@
                 // Where the head is not known, the picture stays empty.
                 let avatars = anchor == nil ? [] : scene.avatars(displayTimeS: shownS)
                 let originFromHead = RigidPose(anchor?.originFromAnchorTransform ?? matrix_identity_float4x4)
-                try submit(drawable, passes, avatars, scene.roomFromAvatars.inverse * originFromHead)
+                try submit(drawable, passes, avatars, originFromHead)
                 lastProblem = nil
             } catch {
                 if error != lastProblem { scene.problem(error) }
@@ -105,13 +104,13 @@
 
         /// The compositor waits for a picture of every frame, so one is presented whatever happens.
         private func submit(
-            _ drawable: LayerRenderer.Drawable, _ passes: [DrawablePass], _ avatars: [Avatar], _ avatarsFromHead: RigidPose
+            _ drawable: LayerRenderer.Drawable, _ passes: [DrawablePass], _ avatars: [Avatar], _ originFromHead: RigidPose
         ) throws(DoppelError) {
             let frame: MetalFrame?
             let depths: [Camera.StoredDepth]
             do {
                 for pass in passes { try stage.make(pass.kind) }
-                let seen = try views(of: drawable, avatarsFromHead)
+                let seen = try views(of: drawable, originFromHead)
                 depths = seen.map(\.depth)
                 frame = try stage.begin(avatars, from: seen.map(\.camera), nowS: CACurrentMediaTime(), waitS: 0.1)
             } catch {
@@ -131,14 +130,14 @@
         }
 
         private func views(
-            of drawable: LayerRenderer.Drawable, _ avatarsFromHead: RigidPose
+            of drawable: LayerRenderer.Drawable, _ originFromHead: RigidPose
         ) throws(DoppelError) -> [(camera: Camera, depth: Camera.StoredDepth)] {
             var seen: [(camera: Camera, depth: Camera.StoredDepth)] = []
             for (index, view) in drawable.views.enumerated() {
                 let place = view.textureMap.viewport
                 seen.append(
                     try Camera.from(
-                        projection: drawable.computeProjection(viewIndex: index).floats, pose: avatarsFromHead * RigidPose(view.transform),
+                        projection: drawable.computeProjection(viewIndex: index).floats, pose: originFromHead * RigidPose(view.transform),
                         widthPx: Int(place.width), heightPx: Int(place.height)))
             }
             return seen
