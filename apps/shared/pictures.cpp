@@ -74,6 +74,14 @@ Mat3d uprightFromLoaded(const std::string& axes, const Mat3d& loadedFromFile) {
     return uprightFromFile(axes) * fileFromLoaded;
 }
 
+std::array<float, 12> standing(const Mat3d& upright, double asideM) {
+    std::array<float, 12> rows{};
+    for (size_t row = 0; row < 3; ++row)
+        for (size_t column = 0; column < 3; ++column) rows[4 * row + column] = float(upright[int(column)][int(row)]);
+    rows[3] = float(asideM);
+    return rows;
+}
+
 Cameraf frameAvatar(const DplAvatarInfo& avatar, uint32_t widthPx, uint32_t heightPx, double azimuthRad, const Mat3d& uprightFromFile) {
     Vec3d low(INFINITY), high(-INFINITY);
     for (uint32_t corner = 0; corner < 8; ++corner) {

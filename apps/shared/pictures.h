@@ -4,6 +4,7 @@
 
 #include <doppel/doppel.hpp>
 
+#include <array>
 #include <filesystem>
 #include <functional>
 
@@ -26,6 +27,8 @@ Mat3d loadedFromFile(const DplFileAxes& axes);
 /** The rotation that turns a loaded file upright. Loading has turned it by `loadedFromFile`, as the file states. `axes` is the user's
  *  word for the file, which replaces that; empty: no word. */
 Mat3d uprightFromLoaded(const std::string& axes, const Mat3d& loadedFromFile);
+/** For Avatar::setTransform: upright, moved aside along +X. */
+std::array<float, 12> standing(const Mat3d& upright, double asideM);
 /** Values of --fill. */
 inline const std::vector<std::string> kFillNames = {"auto", "quads", "tiles"};
 DplFill fillOf(const std::string& name);

@@ -47,6 +47,7 @@ Status ViewedSubject::takeNewClip() {
 }
 
 Status ViewedSubject::pose(double timeS) {
+    if (auto set = avatar.setTransform(standing(upright, asideM)); !set) return fromSdk(set.error());
     if (!isAvatar()) return {};
     float root[3] = {};
     if (clip) {
@@ -62,15 +63,14 @@ Status ViewedSubject::pose(double timeS) {
         const Quatf turned = Quatf(q[3], q[0], q[1], q[2]) * rotationOfAngles(byHandDeg[i]);
         q[0] = turned.x, q[1] = turned.y, q[2] = turned.z, q[3] = turned.w;
     }
-    root[0] += float(asideM);
     if (auto set = clip ? changePose(avatar, rotations_, root) : avatar.setPose(rotations_, root); !set) return fromSdk(set.error());
     return {};
 }
 
 WorldBox ViewedSubject::box() const {
-    const Vec3d aside(isAvatar() ? asideM : 0, 0, 0);
-    return {Vec3d(info.restMin[0], info.restMin[1], info.restMin[2]) + aside,
-            Vec3d(info.restMax[0], info.restMax[1], info.restMax[2]) + aside};
+    const Vec3d aside(asideM, 0, 0), a = aside + upright * Vec3d(info.restMin[0], info.restMin[1], info.restMin[2]),
+                                     b = aside + upright * Vec3d(info.restMax[0], info.restMax[1], info.restMax[2]);
+    return {glm::min(a, b), glm::max(a, b)};  // a quarter turn keeps the box axis-aligned
 }
 
 double ViewedSubject::nearestM(const Vec3d& point, const Vec3d& eye, double focalPx, double magnification) const {
@@ -96,10 +96,6 @@ std::vector<double> placesInRow(size_t count) {
     std::vector<double> places(count);
     for (size_t i = 0; i < count; ++i) places[i] = kApartM * (double(i) - 0.5 * double(count - 1));
     return places;
-}
-
-Mat3d uprightOf(const std::vector<ViewedSubject>& subjects, const std::string& axes) {
-    return uprightFromLoaded(axes, subjects.empty() ? Mat3d(1) : loadedFromFile(subjects[0].axes));
 }
 
 WorldBox boxOf(const std::vector<ViewedSubject>& subjects) {

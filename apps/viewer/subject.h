@@ -24,9 +24,9 @@ struct ViewedSubject {
     bool isAvatar() const { return !joints.empty(); }  // general splats have no joints
     /** Reads the list of clips again and plays the last one. */
     Status takeNewClip();
-    /** Poses it: the clip at timeS, then the angles on top, moved aside. General splats stay where they are. */
+    /** Stands it upright and moved aside, then poses it: the clip at timeS, and the angles on top. General splats have no pose. */
     Status pose(double timeS);
-    /** Of its rest box and its place. */
+    /** Of its rest box and its place, in the world. */
     WorldBox box() const;
     /** How near an eye may come to `point` before it magnifies what the scan saw more than so many times (dplGetNearestDistance), metres.
      *  0 for splats and for files without a capture map. */
@@ -40,7 +40,8 @@ struct ViewedSubject {
     std::optional<uint32_t> clip;     // nothing: the rest pose
     std::vector<std::string> joints;  // names
     std::vector<Vec3f> byHandDeg;     // for each joint
-    double asideM = 0;                // along +X
+    double asideM = 0;                // along +X of the world
+    Mat3d upright{1};                 // world from avatar space: a quarter turn
 
 private:
     explicit ViewedSubject(doppel::Avatar owned) : avatar(std::move(owned)) {}
@@ -52,10 +53,6 @@ std::vector<double> placesInRow(size_t count);
 
 /** The same for the avatar whose box is nearest to the point. */
 double nearestM(const std::vector<ViewedSubject>& subjects, const Vec3d& point, const Vec3d& eye, double focalPx, double magnification);
-
-/** The rotation that turns what is shown upright. `axes` is the user's word for the files, which replaces what the first one states, as for
- *  `doppel render`; empty: no word. */
-Mat3d uprightOf(const std::vector<ViewedSubject>& subjects, const std::string& axes);
 
 /** The box around all of them; a person's if there are none. */
 WorldBox boxOf(const std::vector<ViewedSubject>& subjects);

@@ -3,6 +3,7 @@
 
 #include <imgui.h>
 
+#include <algorithm>
 #include <cstdio>
 #include <cstdlib>
 #include <numbers>
@@ -115,9 +116,7 @@ platform::FrameContents Viewer::contents() {
     const VkExtent2D size = shell_->picturePx();
     const ImGuiIO& io = ImGui::GetIO();
     const FreeSpan free = turntable_ || !screenshot_.empty() ? FreeSpan{0, io.DisplaySize.x} : freeSpan(state_, io.DisplaySize.x);
-    Camerad camera = state_.camera.camera(size.width, size.height, 0.5 * (free.left + free.right) * io.DisplayFramebufferScale.x);
-    what.roomView = sdkCamera(camera.cast<float>());
-    camera.viewFromWorldRotation = camera.viewFromWorldRotation * uprightOf(state_.subjects, state_.axes);
+    const Camerad camera = state_.camera.camera(size.width, size.height, 0.5 * (free.left + free.right) * io.DisplayFramebufferScale.x);
     what.view = sdkCamera(camera.cast<float>());
     what.room = state_.room;
     if (const auto doppel = loader_ ? loader_->doppel() : std::nullopt) what.context = doppel->context, what.composer = doppel->composer;
@@ -176,13 +175,6 @@ void Viewer::addSubject(doppel::Avatar avatar, const std::string& file) {
     state_.wantsFrame = true;
 }
 
-WorldBox Viewer::uprightBox() const {
-    const WorldBox box = boxOf(state_.subjects);
-    const Mat3d upright = uprightOf(state_.subjects, state_.axes);
-    const Vec3d a = upright * box.low, b = upright * box.high;  // quarter turns keep the box axis-aligned
-    return {glm::min(a, b), glm::max(a, b)};
-}
-
 void Viewer::takeInput() {
     const ImGuiIO& io = ImGui::GetIO();
     if (options_.isScript()) return;
@@ -235,13 +227,14 @@ void Viewer::advanceTime() {
 }
 
 Status Viewer::arrange() {
-    std::vector<ViewedSubject*> avatars;
-    for (ViewedSubject& subject : state_.subjects)
-        if (subject.isAvatar()) avatars.push_back(&subject);
-    const std::vector<double> places = placesInRow(avatars.size());
-    for (size_t i = 0; i < avatars.size(); ++i) {
-        avatars[i]->asideM = places[i];
-        if (const Status posed = avatars[i]->pose(state_.playback.timeS); !posed) report(avatars[i]->file + ": " + posed.error().message);
+    const auto& subjects = state_.subjects;
+    const std::vector<double> places =
+        placesInRow(size_t(std::count_if(subjects.begin(), subjects.end(), [](const auto& subject) { return subject.isAvatar(); })));
+    auto place = places.begin();
+    for (ViewedSubject& subject : state_.subjects) {
+        subject.upright = uprightFromLoaded(state_.axes, loadedFromFile(subject.axes));
+        if (subject.isAvatar()) subject.asideM = *place++;
+        if (const Status posed = subject.pose(state_.playback.timeS); !posed) report(subject.file + ": " + posed.error().message);
     }
     if (state_.wantsFrame || !framed_) DPL_RETURN_IF_ERROR(frameAll());
     state_.wantsFrame = false;
@@ -256,9 +249,7 @@ void Viewer::keepAway() {
     if (!(state_.magnification > 0)) return;
     const VkExtent2D size = shell_->picturePx();
     const Camerad camera = state_.camera.camera(size.width, size.height, 0);
-    const Mat3d fileFromUpright = glm::transpose(uprightOf(state_.subjects, state_.axes));
-    const double nearest = nearestM(state_.subjects, fileFromUpright * state_.camera.middle(), fileFromUpright * camera.eye(), camera.fy,
-                                    state_.magnification);
+    const double nearest = nearestM(state_.subjects, state_.camera.middle(), camera.eye(), camera.fy, state_.magnification);
     state_.keptAway = nearest > 0 && state_.camera.distanceM() <= nearest * (1 + 1e-6);
     state_.camera.keepAway(nearest);
 }
@@ -268,9 +259,9 @@ Status Viewer::frameAll() {
     const ImVec2 size = ImGui::GetIO().DisplaySize;
     if (size.x <= 0 || size.y <= 0) return {};  // minimised
     const FreeSpan free = freeSpan(state_, size.x);
-    state_.camera.frame(uprightBox(), double(free.right - free.left) / double(size.y));
+    state_.camera.frame(boxOf(state_.subjects), double(free.right - free.left) / double(size.y));
     framed_ = true;
-    return ofShell(shell_->buildRoom(roomAround(state_.subjects, uprightBox(), state_.camera.distanceM())));
+    return ofShell(shell_->buildRoom(roomAround(state_.subjects, boxOf(state_.subjects), state_.camera.distanceM())));
 }
 
 void Viewer::applyLimits() {

@@ -42,7 +42,6 @@ private:
     void applyLimits();
     void report(const std::string& problem);
     platform::FrameContents contents();
-    WorldBox uprightBox() const;
     double nowS() const;
     bool scriptMayBegin() const { return waitingFor_ == 0 && settling_ == 0; }
 

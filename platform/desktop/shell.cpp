@@ -97,7 +97,7 @@ Result<std::string> Shell::draw(const FrameContents& contents) {
     DPL_VK(vkBeginCommandBuffer(commands, &begin));
     const Canvas& canvas = *parts_->canvas;
     canvas.beginRoom(commands);
-    if (contents.room) parts_->room->record(commands, picturePx_, &contents.roomView, 1, *contents.room);
+    if (contents.room) parts_->room->record(commands, picturePx_, &contents.view, 1, *contents.room);
     vkCmdEndRenderPass(commands);
 
     std::string problem;

@@ -33,7 +33,6 @@ struct ShellInfo {
 struct FrameContents {
     DplCamera view{};               // sized as Shell::picturePx
     std::optional<RoomLight> room;  // nothing: black, and nothing is hidden
-    DplCamera roomView{};           // of the room; differs from `view` where a file's up axis does
     DplContext context = nullptr;   // with what makeComposer returned for it; NULL: draw no avatars
     uint32_t composer = 0;
     std::vector<DplAvatar> avatars;       // may be empty

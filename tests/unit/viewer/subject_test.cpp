@@ -125,10 +125,18 @@ TEST_F(SubjectTest, axesReplaceWhatTheFileStates) {
     StaticSplatData one;
     one.position = {{0, 1, 0}}, one.scaleM = {Vec3f(0.1f)}, one.rotation = {{1, 0, 0, 0}}, one.opacity = {0.9f}, one.sh = {0, 0, 0};
     const auto shown = [&](const char* stated, const char* axes) {  // where the splat's place in the file, (0, 0.75, 0.25), is shown
-        std::vector<ViewedSubject> subjects;
-        subjects.push_back(load(*writePly(one, {.axes = stated})));
-        const Vec3d inFile(0, 0.75, 0.25);
-        return Vec3f(uprightOf(subjects, axes) * (loadedFromFile(subjects[0].axes) * inFile));
+        ViewedSubject subject = load(*writePly(one, {.axes = stated}));
+        subject.upright = uprightFromLoaded(axes, loadedFromFile(subject.axes));
+        EXPECT_TRUE(subject.pose(0));
+        const auto rows = subject.avatar.transform();
+        EXPECT_TRUE(rows);
+        const Vec3d loaded = loadedFromFile(subject.axes) * Vec3d(0, 0.75, 0.25);
+        Vec3f out;
+        for (int r = 0; r < 3 && rows; ++r) {
+            const float* row = &(*rows)[size_t(4 * r)];
+            out[r] = float(row[0] * loaded.x + row[1] * loaded.y + row[2] * loaded.z + row[3]);
+        }
+        return out;
     };
     expectNear(shown("", ""), {0, 0.75f, 0.25f});
     expectNear(shown("RDF", ""), {0, -0.75f, -0.25f});
@@ -137,7 +145,6 @@ TEST_F(SubjectTest, axesReplaceWhatTheFileStates) {
         expectNear(shown(stated, "y-down"), {0, -0.75f, -0.25f});
         expectNear(shown(stated, "z-up"), {0, 0.25f, -0.75f});
     }
-    EXPECT_EQ(uprightOf({}, "y-down")[1], Vec3d(0, -1, 0)) << "before a file is loaded";
 }
 
 TEST_F(SubjectTest, theBoxHoldsAllSubjects) {
@@ -149,6 +156,9 @@ TEST_F(SubjectTest, theBoxHoldsAllSubjects) {
     const WorldBox box = boxOf(row);
     EXPECT_FLOAT_EQ(float(box.low.x), -1);
     EXPECT_FLOAT_EQ(float(box.high.x), 1);
+    EXPECT_GT(box.high.y, 1);
+    row[0].upright = row[1].upright = uprightFromLoaded("y-down", Mat3d(1));
+    EXPECT_LT(boxOf(row).high.y, 0) << "upside down";
 }
 
 }  // namespace
