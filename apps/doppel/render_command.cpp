@@ -7,7 +7,6 @@
 
 #include "apps/doppel/commands.h"
 #include "apps/doppel/talk.h"
-#include "apps/shared/change_pose.h"
 #include "apps/shared/checks.h"
 #include "apps/shared/pictures.h"
 #include "apps/shared/video_writer.h"
@@ -110,39 +109,28 @@ Result<Drawn> renderScan(const RenderOptions& options, const doppel::Context& co
     return drawn;
 }
 
-/** Moves the avatar along +X from where its pose has put it. General splats stay where their file says. */
-Status moveAside(doppel::Avatar& avatar, double metres) {
-    auto info = avatar.info();
-    if (!info) return fromSdk(info.error());
-    if (info->jointCount == 0 || metres == 0) return {};
-    std::vector<float> rotations(size_t(info->jointCount) * 4);
-    float root[3];
-    if (dplGetPose(avatar.handle(), rotations.data(), info->jointCount, root) != DPL_OK)
-        return fail(Code::Internal, "{}", dplGetLastError());
-    root[0] += float(metres);
-    if (auto set = changePose(avatar, rotations, root); !set) return fromSdk(set.error());
-    return {};
-}
-
 /** The avatars that are drawn together, and the clip that each of them plays. */
 struct Company {
-    Mat3d upright{1};  // from the axes of the loaded files
     std::vector<doppel::Avatar> avatars;
+    std::vector<Mat3d> uprights;  // from the axes of each loaded file
     std::vector<uint32_t> clips;
-    std::vector<double> asideM;
     std::vector<DplAvatar> row;
 };
 
-/** The box of all of them in one DplAvatarInfo. */
-Result<DplAvatarInfo> boxOf(const Company& company) {
+/** Stands the avatars upright in a row, and general splats where their file says. Returns the box of all in one DplAvatarInfo. */
+Result<DplAvatarInfo> standInRow(Company& company, double apartM) {
     DplAvatarInfo all{};
     for (size_t i = 0; i < company.avatars.size(); ++i) {
         auto info = company.avatars[i].info();
         if (!info) return fromSdk(info.error());
+        const double asideM = info->jointCount > 0 ? apartM * (double(i) - 0.5 * double(company.avatars.size() - 1)) : 0;
+        const Mat3d& upright = company.uprights[i];
+        if (auto set = company.avatars[i].setTransform(standing(upright, asideM)); !set) return fromSdk(set.error());
+        const Vec3d aside(asideM, 0, 0), a = upright * Vec3d(info->restMin[0], info->restMin[1], info->restMin[2]) + aside,
+                                         b = upright * Vec3d(info->restMax[0], info->restMax[1], info->restMax[2]) + aside;
         if (i == 0) all = *info;
         for (int k = 0; k < 3; ++k) {
-            const float aside = k == 0 && info->jointCount > 0 ? float(company.asideM[i]) : 0;
-            const float low = info->restMin[k] + aside, high = info->restMax[k] + aside;
+            const float low = float(std::min(a[k], b[k])), high = float(std::max(a[k], b[k]));
             all.restMin[k] = i == 0 ? low : std::min(all.restMin[k], low);
             all.restMax[k] = i == 0 ? high : std::max(all.restMax[k], high);
         }
@@ -158,17 +146,13 @@ Result<Drawn> renderShots(const RenderOptions& options, const doppel::Context& c
         doppel::Avatar& avatar = company.avatars[i];
         company.row.push_back(avatar.handle());
         company.clips.push_back(0);
-        company.asideM.push_back(options.apartM * (double(i) - 0.5 * double(company.avatars.size() - 1)));
-        if (options.clip.empty()) {
-            DPL_RETURN_IF_ERROR(moveAside(avatar, company.asideM[i]));
-            continue;
-        }
+        if (options.clip.empty()) continue;
         DPL_TRY(company.clips[i], chooseClip(avatar, options.clip, options.animation));
         auto about = avatar.clip(company.clips[i]);
         if (!about) return fromSdk(about.error());
         duration = std::max(duration, about->durationS);
     }
-    DPL_TRY(const DplAvatarInfo box, boxOf(company));
+    DPL_TRY(const DplAvatarInfo box, standInRow(company, options.apartM));
     if (options.seconds > 0) duration = options.seconds;
 
     const std::string extension = options.out.extension().string();
@@ -188,13 +172,10 @@ Result<Drawn> renderShots(const RenderOptions& options, const doppel::Context& c
     for (size_t i = 0; i < frameCount; ++i) {
         if (progress.cancelled()) return fail(Code::Cancelled, "stopped after {} of {} frames", i, frameCount);
         const double timeS = options.timeS + double(i) / options.framesPerSecond;
-        for (size_t k = 0; k < company.avatars.size() && !options.clip.empty(); ++k) {
+        for (size_t k = 0; k < company.avatars.size() && !options.clip.empty(); ++k)
             if (auto set = company.avatars[k].setPoseFromClip(company.clips[k], timeS, true); !set) return fromSdk(set.error());
-            DPL_RETURN_IF_ERROR(moveAside(company.avatars[k], company.asideM[k]));
-        }
         const double turn = options.turntable ? 2 * std::numbers::pi * double(i) / double(frameCount) : 0;
-        const Cameraf centre =
-            frameAvatar(box, size.widthPx, size.heightPx, options.azimuthDeg * std::numbers::pi / 180 + turn, company.upright);
+        const Cameraf centre = frameAvatar(box, size.widthPx, size.heightPx, options.azimuthDeg * std::numbers::pi / 180 + turn);
         std::vector<Cameraf> views = {centre};
         if (options.stereo) views = {shiftedSideways(centre, -kEyeDistanceM / 2), shiftedSideways(centre, kEyeDistanceM / 2)};
         DPL_TRY(auto pixels, drawViews(context, company.row, views));
@@ -262,7 +243,7 @@ Result<nlohmann::json> renderAll(const RenderOptions& options, const Talk& talk)
         auto axes = avatar->fileAxes();
         if (!axes) return fromSdk(axes.error());
         if (!axes->stated && options.axes.empty()) progress.note(formatText("{}: {}", file.string(), kNoUpAxis));
-        if (company.avatars.empty()) company.upright = uprightFromLoaded(options.axes, loadedFromFile(*axes));
+        company.uprights.push_back(uprightFromLoaded(options.axes, loadedFromFile(*axes)));
         progress.detail(formatText("{}: {} splats of {}, loaded in {} ms", file.string(), info->splatCount, info->fileSplatCount,
                                    millisecondsSince(start)));
         splats += info->splatCount;
