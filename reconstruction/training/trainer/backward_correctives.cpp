@@ -8,6 +8,13 @@
 
 namespace dpl {
 
+void backwardSceneLight(const PosedMesh& posed, std::span<float> gLight) {
+    for (size_t v = 0; v < posed.sceneLight().size(); ++v) {
+        const float drawn = posed.light()[v];
+        gLight[v] *= drawn > kMinLight && drawn < kMaxLight ? posed.sceneLight()[v] : 0.0f;
+    }
+}
+
 void gatherNodes(const PoseCorrectiveData& c, std::span<const Vec4f> nodes, std::span<const Vec3f> gRest, std::span<const float> gLight,
                  std::vector<Vec4f>& gNodes) {
     gNodes.assign(c.nodeCount, Vec4f(0));

@@ -1,11 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 // Backward pass of the pose correctives: from rest positions and brightness of the vertices to the control nodes, and from these to the
-// pose.
+// pose. And of the light of the scene, which counts as constant in a pose (docs/reference/light.md).
 #pragma once
 
-#include "sdk/avatar/pose_correctives.h"
+#include "sdk/avatar/posed_mesh.h"
 
 namespace dpl {
+
+/** From ∂loss/∂(drawn brightness) to ∂loss/∂(brightness of the correctives), V, in place: zero where the drawn brightness is clamped.
+ *  posed: of the pass. Nothing happens without light of the scene. */
+void backwardSceneLight(const PosedMesh& posed, std::span<float> gLight);
 
 /** ∂loss/∂nodes of one pose: M entries of offset (xyz) and brightness (w), summed in vertex order. nodes: the node values of this pose.
  *  gRest, gLight: gradients on the offsets and brightness that spreadCorrectives() made of them, one a vertex. A vertex whose brightness

@@ -15,7 +15,7 @@ VertexIncidence::VertexIncidence(std::span<const Triangle> triangles, size_t ver
         for (int c = 0; c < 3; ++c) corners[next[triangles[t][c]]++] = uint32_t(t * 3 + size_t(c));
 }
 
-void backwardSkin(const MeshData& mesh, std::span<const JointData> joints, const PosedMesh& posed, const SurfaceGradient& gradient,
+void backwardSkin(const MeshData& mesh, std::span<const JointData> joints, const PosedMesh& posed, std::span<const Vec3f> gPosed,
                   Jobs& jobs, std::vector<Vec3f>& gRest, PoseGradient<double>& pose) {
     constexpr size_t kGrain = 2048;
     const std::span<const Vec3f> rest = posed.rest();
@@ -26,15 +26,14 @@ void backwardSkin(const MeshData& mesh, std::span<const JointData> joints, const
     jobs.forBlocks(blocks, [&](size_t block, uint32_t) {
         JointWrench<float>* wrench = partial.data() + block * jointCount;
         for (size_t v = block * kGrain; v < std::min(count, (block + 1) * kGrain); ++v) {
-            const Vec3f g = gradient.positions[v], gNormal = gradient.normals.empty() ? Vec3f(0) : gradient.normals[v];
-            gRest[v] = Vec3f(0);
+            const Vec3f g = gPosed[v];
+            if (g == Vec3f(0)) {
+                gRest[v] = Vec3f(0);
+                continue;
+            }
             const glm::u8vec4 w8 = mesh.jointWeights[v];
             const float weights[4] = {float(w8.x) / 255.0f, float(w8.y) / 255.0f, float(w8.z) / 255.0f, float(w8.w) / 255.0f};
-            if (g != Vec3f(0)) gRest[v] = backwardSkinVertex(rest[v], g, mesh.jointIndices[v], weights, worldFromRest.data(), wrench);
-            if (gNormal == Vec3f(0)) continue;
-            for (int i = 0; i < 4; ++i)  // a turn of a joint turns its share of the normal and moves it nowhere
-                wrench[mesh.jointIndices[v][i]].torque +=
-                    glm::cross(weights[i] * (Mat3f(worldFromRest[mesh.jointIndices[v][i]]) * gradient.normalsAtRest[v]), gNormal);
+            gRest[v] = backwardSkinVertex(rest[v], g, mesh.jointIndices[v], weights, worldFromRest.data(), wrench);
         }
     });
     std::vector<JointWrench<double>> wrench(jointCount);

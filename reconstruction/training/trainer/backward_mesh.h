@@ -81,16 +81,9 @@ inline void backwardJoints(std::span<const JointData> joints, std::span<const Ma
     }
 }
 
-/** Gradients on a posed surface, V each. */
-struct SurfaceGradient {
-    std::span<const Vec3f> positions;        // on PosedMesh::positions()
-    std::span<const Vec3f> normals;          // on turnedNormal() of the normals at rest; empty: none reaches them
-    std::span<const Vec3f> normalsAtRest{};  // those; read with `normals` only
-};
-
 /** Backward pass of skinning for the whole posed mesh. The sums run over fixed blocks of vertices in block order, so they do not depend on
- *  the number of threads. gRest, the gradient on posed.rest(), is resized to V. */
-void backwardSkin(const MeshData& mesh, std::span<const JointData> joints, const PosedMesh& posed, const SurfaceGradient& gradient,
+ *  the number of threads. gPosed: gradient on posed.positions(). gRest, on posed.rest(), is resized to V. */
+void backwardSkin(const MeshData& mesh, std::span<const JointData> joints, const PosedMesh& posed, std::span<const Vec3f> gPosed,
                   Jobs& jobs, std::vector<Vec3f>& gRest, PoseGradient<double>& pose);
 
 }  // namespace dpl

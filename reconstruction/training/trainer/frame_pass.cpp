@@ -29,9 +29,8 @@ LossValues FramePass::run(const PassSubject& s, const Pose& pose, const LevelFra
     lap(times.splats);
     if (geometry) {
         splatBackward_.gatherVertices(s.incidence, gPosed_, gLight_);
-        gNormals_.clear();
-        if (!s.light.empty()) backwardLight(s.mesh, s.light, s.normals, posed_, gLight_, gNormals_);
-        backwardSkin(s.mesh, s.joints, posed_, {gPosed_, gNormals_, s.normals}, jobs_, gRest_, poseGradient_);
+        backwardSceneLight(posed_, gLight_);
+        backwardSkin(s.mesh, s.joints, posed_, gPosed_, jobs_, gRest_, poseGradient_);
         gNodes_.clear();
         if (!s.correctives.empty()) {
             gatherNodes(s.correctives, posed_.nodes(), gRest_, gLight_, gNodes_);

@@ -4,7 +4,6 @@
 #pragma once
 
 #include "reconstruction/training/trainer/backward_correctives.h"
-#include "reconstruction/training/trainer/backward_light.h"
 #include "reconstruction/training/trainer/backward_splats.h"
 #include "reconstruction/training/trainer/losses.h"
 #include "reconstruction/training/trainer/train_images.h"
@@ -57,7 +56,7 @@ private:
     SplatImage image_;
     ImageGradient gradient_;
     PosedMesh posed_;
-    std::vector<Vec3f> gPosed_, gRest_, gNormals_;
+    std::vector<Vec3f> gPosed_, gRest_;
     std::vector<float> gLight_;
     std::vector<Vec4f> gNodes_;
     PoseGradient<double> poseGradient_;

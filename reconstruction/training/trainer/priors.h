@@ -51,8 +51,8 @@ inline constexpr float kMovedStrain = 0.15f;
  *  unit: ratio | origin: dev; walks and moving frames of scan-c | half, double: half not measured; double with kMovedStrain */
 inline constexpr float kComponentStrain = 0.06f;
 /** The same in a component of held peaks, which adds to that of the pose.
- *  unit: ratio | origin: dev; walks and moving frames of scan-c | half, double: half not measured; double gains 0.02 dB on
- * moving frames with pose fit, loses 0.03 without, and lengthens the longest edge of walks from 2.4 and 3.2 to 2.9 and 3.5 times */
+ *  unit: ratio | origin: dev; walks and moving frames of scan-c | half, double: half not measured; double gains 0.03 dB on
+ * moving frames with pose fit and none without, and lengthens the longest edge of walks from 2.5 and 3.3 to 2.9 and 3.5 times */
 inline constexpr float kPeakStrain = 0.03f;
 
 // ---- Backs that show

@@ -27,8 +27,8 @@ struct DoubleScene {
     Vec3d rootTranslation{0};
     PoseCorrectiveData correctives;    // its nodes are the initial values of `nodes`
     MotionMemory before;               // what the motion modes remember of earlier poses
-    LightData light;                   // of the scene
-    std::vector<Vec3f> normals;        // at rest; with `light` only. They do not follow `rest`
+    LightData light;                   // of the scene; as training does, the variables below do not change what it gives
+    std::vector<Vec3f> normals;        // at rest; with `light` only
     std::vector<double> pixelWeights;  // 5 per pixel: premultiplied r, g, b, alpha, cloth
     // Variable.
     std::vector<double> rows;   // per splat: u, v, φ, ln s1, ln s2, opacity logit, sh
@@ -121,6 +121,17 @@ inline std::vector<glm::dvec4> correction(const DoubleScene& s, const std::vecto
     return out;
 }
 
+/** The light of the scene on a vertex in the pose before any turn. */
+inline double lightOn(const DoubleScene& s, size_t vertex) {
+    Vec3d turned(0);
+    for (int i = 0; i < 4; ++i) {
+        Vec3d normal(s.normals[vertex]);
+        for (int32_t j = s.mesh.jointIndices[vertex][i]; j >= 0; j = s.joints[size_t(j)].parent) normal = s.rotations[size_t(j)] * normal;
+        turned += double(s.mesh.jointWeights[vertex][i]) / 255.0 * normal;
+    }
+    return referenceIrradiance(s.light, glm::normalize(turned)) / referenceIrradiance(s.light, Vec3d(s.normals[vertex]));
+}
+
 /** Draws the scene and returns Σ pixelWeights · channels. */
 inline double renderLoss(const DoubleScene& s) {
     std::vector<Mat3d> rotation(s.joints.size()), locals(s.joints.size());
@@ -148,13 +159,7 @@ inline double renderLoss(const DoubleScene& s) {
     scene.triangles.assign(s.mesh.triangles.begin(), s.mesh.triangles.end());
     scene.shDegree = s.shDegree;
     for (const glm::dvec4& c : corrected) scene.light.push_back(1 + c.w);
-    for (size_t v = 0; v < s.normals.size(); ++v) {
-        Vec3d turned(0);
-        for (int i = 0; i < 4; ++i)
-            turned += double(s.mesh.jointWeights[v][i]) / 255.0 * (rotation[s.mesh.jointIndices[v][i]] * Vec3d(s.normals[v]));
-        const double factor = referenceIrradiance(s.light, glm::normalize(turned)) / referenceIrradiance(s.light, Vec3d(s.normals[v]));
-        scene.light[v] = std::clamp(scene.light[v] * factor, 0.2, 3.0);
-    }
+    for (size_t v = 0; v < s.normals.size(); ++v) scene.light[v] = std::clamp(scene.light[v] * lightOn(s, v), 0.2, 3.0);
     for (size_t i = 0; i < s.triangle.size(); ++i) {
         const double* row = s.rows.data() + i * s.rowLength();
         const double floor2 = s.sizeFloorM[s.triangle[i]] * s.sizeFloorM[s.triangle[i]];
