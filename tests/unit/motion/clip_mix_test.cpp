@@ -371,7 +371,7 @@ TEST(ClipMix, clothesRememberAMixAlikeAtEveryRate) {
     };
     const std::vector<Vec4f> slowest = nodesAt(30, true);
     for (const int hz : {72, 90, 120}) EXPECT_LT(largest(slowest, nodesAt(hz, true)), 0.001f) << hz;
-    EXPECT_GT(largest(slowest, nodesAt(30, false)), 0.003f) << "nothing was remembered";
+    EXPECT_GT(largest(slowest, nodesAt(30, false)), 0.002f) << "what is remembered is twice the tolerance";
 }
 
 // ---- refusals
