@@ -134,7 +134,7 @@ const char* whyNotTrained(AvatarPart part, const RunSettings& settings) {
     if (part == AvatarPart::CorrectiveLight && settings.training.rateNodeLight == 0) return "not trained: left out by --without light";
     if (part == AvatarPart::MotionModes && !settings.training.learnMotion) return "not trained: left out by --without motion";
     if (part == AvatarPart::SceneLight)
-        return settings.training.learnLight ? "not found: too few surfaces that are seen both still and moving"
+        return settings.training.learnLight ? "not found: too few moving frames, or surfaces that are seen both still and moving"
                                             : "not looked for: left out by --without light";
     if (part == AvatarPart::MotionModes) return "not trained: too few frames that have moved, or no still frames";
     return "not trained: too few moving frames, or all in one pose";

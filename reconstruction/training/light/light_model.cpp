@@ -13,7 +13,7 @@
 namespace dpl {
 namespace {
 
-constexpr int kRounds = 8;
+constexpr int kRounds = 8, kLeastMoving = 12;
 constexpr double kRidge = 1e-3;  // share of the mean curvature: pulls what no normal tells towards no light
 constexpr auto kTerms = int(kIrradianceCoefficients);
 using Terms = Eigen::Matrix<double, kTerms, 1>;
@@ -126,6 +126,8 @@ LightFit fitLight(std::span<const LightSighting> sightings, size_t vertexCount, 
 }
 
 Result<LightFit> findLight(std::span<const JointData> joints, const MeshData& mesh, std::span<const TrainFrame> frames, Jobs& jobs) {
+    const auto moving = std::ranges::count(frames, FrameKind::Dynamic, &TrainFrame::kind);
+    if (moving < kLeastMoving) return LightFit{};
     DPL_TRY(const std::vector<LightSighting> sightings, lightSightings(joints, mesh, frames, jobs));
     return fitLight(sightings, mesh.restPositions.size());
 }

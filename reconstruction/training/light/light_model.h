@@ -19,7 +19,8 @@ struct LightFit {
  *  `minVertices` vertices are seen both still and moving. Deterministic. */
 LightFit fitLight(std::span<const LightSighting> sightings, size_t vertexCount, size_t minVertices = 200);
 
-/** lightSightings() and fitLight(). Errors: those of lightSightings(). */
+/** lightSightings() and fitLight(). No light with fewer than 12 moving frames, as no correctives of the pose are made of them. Errors:
+ * those of lightSightings(). */
 Result<LightFit> findLight(std::span<const JointData> joints, const MeshData& mesh, std::span<const TrainFrame> frames, Jobs& jobs);
 
 }  // namespace dpl

@@ -158,6 +158,13 @@ TEST_F(LitBall, isFoundInPictures) {
     EXPECT_LT(fit->strayAfter, 0.3 * fit->strayBefore);
 }
 
+TEST_F(LitBall, isNotLookedForInAFewMovingFrames) {
+    frames_.pop_back();
+    const auto fit = findLight(joints_, mesh_, frames_, jobs_);
+    ASSERT_TRUE(fit);
+    EXPECT_TRUE(fit->light.empty()) << "eleven poses that are a little wrong tell of their errors";
+}
+
 TEST_F(LitBall, sightingsStayInsideTheOutlineAndOutOfCloseups) {
     frames_.resize(1);
     const auto seen = lightSightings(joints_, mesh_, frames_, jobs_);
