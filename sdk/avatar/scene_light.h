@@ -9,6 +9,7 @@
 #include "sdk/core/jobs.h"
 #include "sdk/format/avatar_data.h"
 #include "sdk/math/merge_vertices.h"
+#include "sdk/math/skinning.h"
 
 namespace dpl {
 
@@ -32,10 +33,7 @@ void lightFactors(const MeshData& mesh, const LightData& light, std::span<const 
 /** A normal turned by the mean of its joints, not of unit length. */
 inline Vec3f turnedNormal(const Vec3f& normal, const glm::u16vec4& joints, const glm::u8vec4& weights,
                           std::span<const Mat3x4f> worldFromRest) {
-    Vec3f sum(0);
-    for (int i = 0; i < 4; ++i)
-        if (weights[i] != 0) sum += float(weights[i]) * (1.0f / 255.0f) * (Mat3f(worldFromRest[joints[i]]) * normal);
-    return sum;
+    return Mat3f(blendedTransform(joints, weights, worldFromRest.data())) * normal;
 }
 
 /** Irradiance on a unit normal, over its mean. */

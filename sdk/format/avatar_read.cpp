@@ -13,7 +13,6 @@
 #include "sdk/format/correctives_compact.h"
 #include "sdk/format/extension_fields.h"
 #include "sdk/format/gltf_model.h"
-#include "sdk/format/light.h"
 #include "sdk/format/motion_modes.h"
 #include "sdk/format/splat_codec.h"
 #include "sdk/format/vertex_colour.h"
@@ -387,7 +386,7 @@ struct AvatarReader {
         if (irradiance.size() != kIrradianceCoefficients)
             return fail(Code::CorruptData, "light with {} coefficients, not {}", irradiance.size(), kIrradianceCoefficients);
         std::copy(irradiance.begin(), irradiance.end(), avatar.light.irradiance.begin());
-        return checkLight(avatar.light);
+        return {};
     }
 
     /** The map changes no picture. So a map of a newer encoding is left out, and the avatar is read. */

@@ -9,6 +9,7 @@
 
 #include "reconstruction/subject/surface/orbit_camera.h"
 #include "sdk/avatar/posed_mesh.h"
+#include "sdk/avatar/scene_light.h"
 #include "sdk/motion/clip.h"
 #include "sdk/splat/splat_engine.h"
 
@@ -53,13 +54,18 @@ Cameraf randomCamera(std::span<const Vec3f> positions, bool close, std::mt19937_
 class Drawer {
 public:
     Drawer(const AvatarData& avatar, Jobs& jobs)
-        : avatar_(avatar), jobs_(jobs), engine_(jobs), rest_(restTriangles(avatar.mesh)), triangle_(avatar.splats.count()) {
+        : avatar_(avatar),
+          jobs_(jobs),
+          engine_(jobs),
+          rest_(restTriangles(avatar.mesh)),
+          normals_(restVertexNormals(avatar.mesh)),
+          triangle_(avatar.splats.count()) {
         const auto& start = avatar.splats.triangleStart;
         for (uint32_t t = 0; t + 1 < start.size(); ++t) std::fill(triangle_.begin() + start[t], triangle_.begin() + start[t + 1], t);
     }
     SplatEngine& project(const Pose& pose, const Cameraf& camera) {
         const SplatData& s = avatar_.splats;
-        mesh_.pose({avatar_.joints, avatar_.mesh, avatar_.correctives, {rest_}, &avatar_.light}, pose, jobs_);
+        mesh_.pose({avatar_.joints, avatar_.mesh, avatar_.correctives, {rest_}, &avatar_.light, normals_}, pose, jobs_);
         engine_.project(BoundSplatView{triangle_, s.uv, s.phi, s.scaleM, s.opacity, s.flags, s.shDegree, s.sh}, mesh_.frames(), camera,
                         avatar_.kappaPx2, avatar_.compensated);
         engine_.bin();
@@ -71,6 +77,7 @@ private:
     Jobs& jobs_;
     SplatEngine engine_;
     std::vector<RestTriangle<float>> rest_;
+    std::vector<Vec3f> normals_;
     std::vector<uint32_t> triangle_;
     PosedMesh mesh_;
 };

@@ -13,8 +13,9 @@
 namespace dpl {
 namespace {
 
-constexpr int kRounds = 8, kLeastMoving = 12;
-constexpr double kRidge = 1e-3;  // share of the mean curvature: pulls what no normal tells towards no light
+constexpr int kRounds = 8, kLeastMoving = 12;  // moving frames
+constexpr size_t kLeastVertices = 200;         // seen both still and moving
+constexpr double kRidge = 1e-3;                // share of the mean curvature: pulls what no normal tells towards no light
 constexpr auto kTerms = int(kIrradianceCoefficients);
 using Terms = Eigen::Matrix<double, kTerms, 1>;
 
@@ -104,9 +105,9 @@ size_t seenStillAndMoving(std::span<const LightSighting> sightings, size_t verte
 
 }  // namespace
 
-LightFit fitLight(std::span<const LightSighting> sightings, size_t vertexCount, size_t minVertices) {
+LightFit fitLight(std::span<const LightSighting> sightings, size_t vertexCount) {
     LightFit fit;
-    if (seenStillAndMoving(sightings, vertexCount) < minVertices) return fit;
+    if (seenStillAndMoving(sightings, vertexCount) < kLeastVertices) return fit;
     Residuals residuals(sightings, vertexCount);
     Terms x = Terms::Zero();
     residuals.compute(x);

@@ -16,8 +16,8 @@ struct LightFit {
 };
 
 /** Least squares of  log brightness = log albedo of the vertex + log E(normal)  by Gauss–Newton, robust (Huber). No light where fewer than
- *  `minVertices` vertices are seen both still and moving. Deterministic. */
-LightFit fitLight(std::span<const LightSighting> sightings, size_t vertexCount, size_t minVertices = 200);
+ *  200 vertices are seen both still and moving. Deterministic. */
+LightFit fitLight(std::span<const LightSighting> sightings, size_t vertexCount);
 
 /** lightSightings() and fitLight(). No light with fewer than 12 moving frames, as no correctives of the pose are made of them. Errors:
  * those of lightSightings(). */

@@ -15,8 +15,8 @@
 layout(local_size_x = 128) in;  // kVertexGroup
 
 layout(std140, binding = 0) uniform FrameBlock { FrameData frame; };
-// three rows of G_j for each joint, then one vec4 for each control node: offset, and change of the brightness; then, where there is light of
-// the scene, its coefficients
+// three rows of G_j for each joint; then one vec4 for each control node: offset, and change of the brightness; then, where there is light
+// of the scene, its coefficients
 DPL_FOURS(1, PaletteBlock, palette);
 DPL_FOURS(2, VertexBlock, vertices);  // VertexRecord; DPL_CORRECTED: CorrectedVertexRecord
 layout(std430, binding = 3) writeonly buffer PosedBlock { PosedVertex posed[]; };
@@ -55,10 +55,14 @@ bool seen(uint vertex) { return frame.unseenComponents == 0u || (vertexAt(vertex
 vec4 nodeShare(uint node, uint weight) { return float(weight) * (1.0 / 255.0) * paletteRow(push.firstNode + node); }
 #endif
 
-vec3 turnedBy(vec3 normal, uint joint, uint weight) {
-    float w = float(weight) * (1.0 / 255.0);
-    return w * vec3(dot(paletteRow(joint * 3u).xyz, normal), dot(paletteRow(joint * 3u + 1u).xyz, normal),
-                    dot(paletteRow(joint * 3u + 2u).xyz, normal));
+/** A point (w 1) or a direction (w 0) by its four joints. */
+vec3 skinned(vec4 rest, uint joints01, uint joints23, uint weights) {
+    vec3 sum = vec3(0.0);
+    addJoint(sum, rest, joints01 & 0xFFFFu, weights & 0xFFu);
+    addJoint(sum, rest, joints01 >> 16u, (weights >> 8u) & 0xFFu);
+    addJoint(sum, rest, joints23 & 0xFFFFu, (weights >> 16u) & 0xFFu);
+    addJoint(sum, rest, joints23 >> 16u, weights >> 24u);
+    return sum;
 }
 
 float irradiance(vec3 normal) {
@@ -69,8 +73,7 @@ float irradiance(vec3 normal) {
 /** Irradiance on the posed normal over that at rest. */
 float sceneLight(uint normal, uint joints01, uint joints23, uint weights) {
     vec3 rest = fromOctahedron(unpackSnorm2x16(normal));
-    vec3 turned = turnedBy(rest, joints01 & 0xFFFFu, weights & 0xFFu) + turnedBy(rest, joints01 >> 16u, (weights >> 8u) & 0xFFu) +
-                  turnedBy(rest, joints23 & 0xFFFFu, (weights >> 16u) & 0xFFu) + turnedBy(rest, joints23 >> 16u, weights >> 24u);
+    vec3 turned = skinned(vec4(rest, 0.0), joints01, joints23, weights);
     float size = length(turned);
     return irradiance(size > 1e-12 ? turned / size : vec3(0.0, 1.0, 0.0)) / irradiance(rest);
 }
@@ -97,13 +100,10 @@ void main() {
 #endif
         if (push.firstLight != 0u)
             light = clamp(light * sceneLight(v.normal, v.joints01, v.joints23, v.weights), kGpuMinLight, kGpuMaxLight);
-        vec3 p = vec3(0.0);
-        addJoint(p, rest, v.joints01 & 0xFFFFu, v.weights & 0xFFu);
-        addJoint(p, rest, v.joints01 >> 16u, (v.weights >> 8u) & 0xFFu);
-        addJoint(p, rest, v.joints23 & 0xFFFFu, (v.weights >> 16u) & 0xFFu);
-        addJoint(p, rest, v.joints23 >> 16u, v.weights >> 24u);
+        vec3 p = skinned(rest, v.joints01, v.joints23, v.weights);
         posed[vertex] = PosedVertex(p.x, p.y, p.z, light);
-        uint depth = dplOrderedBits(max(dot(vec3(frame.sortAxisX, frame.sortAxisY, frame.sortAxisZ), p) + frame.sortOffsetM, frame.sortStartM));
+        vec3 sortAxis = vec3(frame.sortAxisX, frame.sortAxisY, frame.sortAxisZ);
+        uint depth = dplOrderedBits(max(dot(sortAxis, p) + frame.sortOffsetM, frame.sortStartM));
         atomicMax(groupMax, depth);
         atomicMax(groupMinInverted, ~depth);
     }
