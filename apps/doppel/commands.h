@@ -16,6 +16,7 @@ enum ExitCode { kExitOk = 0, kExitFailed = 1, kExitUsage = 2, kExitCancelled = 1
 using CommandRun = std::function<int()>;
 
 void addSampleCommand(CLI::App& app, CommandRun& run);
+void addSampleAvatarCommand(CLI::App& app, CommandRun& run);
 void addCamerasCommand(CLI::App& app, CommandRun& run);
 void addCheckCommand(CLI::App& app, CommandRun& run);
 void addImportCommand(CLI::App& app, CommandRun& run);

@@ -53,6 +53,7 @@ int main(int argc, char** argv) {
     app.require_subcommand(1);
     app.footer(
         "Examples:\n"
+        "  doppel sample-avatar -o ada.glb             an avatar to try, in seconds\n"
         "  doppel sample -o scan                       make the procedural subject's scan\n"
         "  doppel check scan -o ada                    say what to film again\n"
         "  doppel reconstruct scan -o ada              make ada/avatar.glb and ada/report.html\n"
@@ -63,6 +64,7 @@ int main(int argc, char** argv) {
         "Each command has its own --help.");
     CommandRun run;
     addSampleCommand(app, run);
+    addSampleAvatarCommand(app, run);
     addCamerasCommand(app, run);
     addCheckCommand(app, run);
     addImportCommand(app, run);

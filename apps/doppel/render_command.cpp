@@ -225,6 +225,16 @@ std::string wrongOutput(const RenderOptions& options) {
     return {};
 }
 
+/** Names the output if the user has not. Says why it cannot be named so: a file that nobody named is never overwritten. */
+std::string nameOutput(RenderOptions& options) {
+    if (!options.out.empty()) return {};
+    if (!options.scan.empty()) return "--scan draws many pictures; name a folder for them";
+    options.out = options.avatar.stem();
+    options.out += options.turntable || options.seconds > 0 ? ".mp4" : ".png";
+    std::error_code ignored;
+    return fs::exists(options.out, ignored) ? formatText("{} is there already; name another file, or this one", options.out.string()) : "";
+}
+
 /** What was drawn, as JSON. */
 Result<nlohmann::json> renderAll(const RenderOptions& options, const Talk& talk) {
     Progress progress(talk.style());
@@ -273,7 +283,10 @@ void addRenderCommand(CLI::App& app, CommandRun& run) {
         ->add_option("avatar", options->avatar,
                      "Avatar file (.glb), or general splats (.ply, compressed .ply, .spz, .glb with KHR_gaussian_splatting)")
         ->required();
-    command->add_option("-o,--out", options->out, "A .png (with alpha), a .mp4 (through ffmpeg) or a folder of PNG frames")->required();
+    command->add_option(
+        "-o,--out", options->out,
+        "A .png (with alpha), a .mp4 (through ffmpeg) or a folder of PNG frames (default: the avatar's name with .png, or .mp4 for "
+        "--turntable and --seconds, in this folder)");
     command->add_option("--with", options->beside, "More avatars in the same picture, side by side; their splats are sorted together")
         ->expected(1, int(DPL_MAX_TOGETHER) - 1);
     command->add_option("--apart", options->apartM, "Distance between neighbours, metres")
@@ -325,6 +338,7 @@ void addRenderCommand(CLI::App& app, CommandRun& run) {
     const auto talk = addTalkOptions(*command);
     command->footer(
         "Examples:\n"
+        "  doppel render ada.glb                                               (writes ada.png)\n"
         "  doppel render ada/avatar.glb -o ada.png --azimuth 30\n"
         "  doppel render ada/avatar.glb -o ada.mp4 --turntable\n"
         "  doppel render ada/avatar.glb -o walk.mp4 --clip 02_01.bvh --stereo --size 960x1080\n"
@@ -334,6 +348,7 @@ void addRenderCommand(CLI::App& app, CommandRun& run) {
         "  doppel render guitar.compressed.ply -o guitar.mp4 --turntable --axes y-down\n"
         "  doppel render ada/avatar.glb -o views --scan scan --split test      (score them with your own tools)");
     command->callback([options, talk, &run] {
+        if (const std::string wrong = nameOutput(*options); !wrong.empty()) throw CLI::ValidationError("-o", wrong);
         if (const std::string wrong = wrongOutput(*options); !wrong.empty()) throw CLI::ValidationError("--out", wrong);
         run = [options, talk] {
             const auto drawn = renderAll(*options, *talk);

@@ -72,7 +72,7 @@ class Checker:
     def check_doppel(self, words):
         self.commands += 1
         subcommands = []
-        while words and re.fullmatch(r"[a-z]+", words[0]) and len(subcommands) < 2:
+        while words and re.fullmatch(r"[a-z][a-z-]*", words[0]) and len(subcommands) < 2:
             if subcommands and not self.help((*subcommands, words[0])):
                 break
             subcommands.append(words.pop(0))

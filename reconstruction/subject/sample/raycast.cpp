@@ -19,6 +19,8 @@ namespace dpl {
 namespace {
 
 constexpr float kClothThicknessM = 0.002f;
+constexpr uint32_t kNotDrawn = ~0u;
+const Vec4f kLightSteps(0.6180340f, 0.7548777f, 0.5698403f, 0.8191725f);  // light samples: four additive recurrences, one per dimension
 constexpr float kRayOffsetM = 4e-4f;  // origin of a shadow ray above the surface, so that it does not hit that surface
 
 const Vec3f kSunDirection = glm::normalize(Vec3f(0.52f, 0.78f, 0.62f));
@@ -73,8 +75,9 @@ struct PersonTracer::State {
     // The drawn mesh: all vertices of the subject, then copies for the inner side of clothes, shoes and hair.
     std::vector<uint32_t> sourceVertex;  // per drawn vertex: vertex of the subject
     std::vector<Triangle> triangles;
-    std::vector<uint8_t> label;  // per drawn triangle: SubjectLabel
-    std::vector<uint8_t> inner;  // per drawn vertex: 1 on the inner side
+    std::vector<uint8_t> label;   // per drawn triangle: SubjectLabel
+    std::vector<uint32_t> drawn;  // per triangle of the subject: the drawn one on its outer side; kNotDrawn where it is hidden
+    std::vector<uint8_t> inner;   // per drawn vertex: 1 on the inner side
     std::vector<Vec3f> at, normal;
     Vec3f low{0}, high{0};
 
@@ -82,6 +85,7 @@ struct PersonTracer::State {
         const MeshData& mesh = s.mesh;
         const uint32_t count = uint32_t(mesh.restPositions.size());
         for (uint32_t v = 0; v < count; ++v) sourceVertex.push_back(v), inner.push_back(0);
+        drawn.assign(mesh.triangles.size(), kNotDrawn);
         for (size_t i = 0; i < s.parts.size(); ++i) {
             const LayerData& layer = mesh.layers[i];
             std::map<std::pair<uint32_t, uint32_t>, int> edges;
@@ -95,6 +99,7 @@ struct PersonTracer::State {
             for (uint32_t t = layer.firstTriangle; t < layer.firstTriangle + layer.triangleCount; ++t) {
                 if (s.hiddenFace[t]) continue;
                 const Triangle f = mesh.triangles[t];
+                drawn[t] = uint32_t(triangles.size());
                 add(f, s.parts[i].label);
                 if (i == 0) continue;
                 auto in = [&](uint32_t v) { return innerOf[v - layer.firstVertex]; };
@@ -260,6 +265,24 @@ void PersonTracer::setVertices(const std::vector<Vec3d>& vertices) {
     rtcCommitScene(s.scene);
 }
 
+std::optional<Vec3f> PersonTracer::colourAt(uint32_t triangle, float u, float v, float footprintM, uint32_t samples) const {
+    const State& s = *state_;
+    const uint32_t drawn = s.drawn[triangle];
+    if (drawn == kNotDrawn) return std::nullopt;
+    const Triangle& f = s.triangles[drawn];
+    const Vec3f point = (1 - u - v) * s.at[f.x] + u * s.at[f.y] + v * s.at[f.z];
+    const Vec3f normal = glm::normalize(glm::cross(s.at[f.y] - s.at[f.x], s.at[f.z] - s.at[f.x]));
+    Vec3f sum(0);
+    const uint32_t place = uint32_t(u * 4096) << 12 | uint32_t(v * 4096);
+    const Vec4f start{hash01(triangle, place, 0), hash01(triangle, place, 1), hash01(triangle, place, 2), hash01(triangle, place, 3)};
+    for (uint32_t i = 0; i < samples; ++i) {
+        const Vec4f r = glm::fract(start + kLightSteps * float(i));
+        sum += s.shadePerson({true, 1.5f, drawn, u, v}, point + 1.5f * normal, -normal, footprintM, r);
+    }
+    sum /= float(samples);
+    return Vec3f(display(sum.x), display(sum.y), display(sum.z));
+}
+
 double PersonTracer::firstHit(const Vec3d& from, const Vec3d& to) const {
     const Vec3d d = to - from;
     const double length = glm::length(d);
@@ -295,18 +318,14 @@ RaycastFrame PersonTracer::render(const Camerad& camera, const RaycastOptions& o
             const bool mayHit = x + 1 >= minX && x <= maxX && y + 1 >= minY && y <= maxY;
             Vec3f sum(0);
             std::array<uint8_t, 6> votes{};
-            // Light samples: four additive recurrences, one per dimension, each starting at a hash of the pixel.
+            // Light samples: each recurrence starts at a hash of the pixel.
             const float h0 = hash01(x, y, frameSalt), h1 = hash01(x, y, frameSalt + 1), h2 = hash01(x, y, frameSalt + 2),
                         h3 = hash01(x, y, frameSalt + 3);
             for (uint32_t i = 0; i < n; ++i) {
                 const float jx = hash01(x, y, frameSalt + 16 + 2 * i), jy = hash01(x, y, frameSalt + 17 + 2 * i);
                 const float px = float(x) + (float(i % columns) + jx) / float(columns);
                 const float py = float(y) + (float(i / columns) + jy) / float(rows);
-                auto turned = [&](float base, float step) {
-                    const float v = base + step * float(i);
-                    return v - std::floor(v);
-                };
-                const Vec4f r{turned(h0, 0.6180340f), turned(h1, 0.7548777f), turned(h2, 0.5698403f), turned(h3, 0.8191725f)};
+                const Vec4f r = glm::fract(Vec4f(h0, h1, h2, h3) + kLightSteps * float(i));
                 const Vec3f view((px - float(camera.cx)) / float(camera.fx), (py - float(camera.cy)) / float(camera.fy), 1);
                 const Vec3f direction = glm::normalize(worldFromView * view);
                 State::Hit hit;

@@ -5,6 +5,7 @@
 #include <array>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "reconstruction/subject/sample/subject.h"
@@ -38,6 +39,11 @@ public:
     void setVertices(const std::vector<Vec3d>& vertices);
 
     RaycastFrame render(const Camerad& camera, const RaycastOptions& options) const;
+
+    /** Display-referred sRGB, 0 to 1, of a point on the outer side of the subject's triangle, barycentric u of corner 1 and v of corner 2,
+     *  seen along its normal from 1.5 m: the mean of `samples` light samples. Patterns finer than footprintM fade to their mean. nullopt
+     * for a hidden triangle. Call setVertices() before. */
+    std::optional<Vec3f> colourAt(uint32_t triangle, float u, float v, float footprintM, uint32_t samples) const;
 
     /** Distance from `from` to the first surface in the direction of `to`, as a multiple of |to − from|. 1e9 when the ray hits nothing. */
     double firstHit(const Vec3d& from, const Vec3d& to) const;

@@ -38,6 +38,12 @@ refuses "scan is the input ./scan itself" cameras blind --truth ./scan -o scan
 for out in views.png views.mp4; do refuses "$out: with --scan the output is a folder" render a.glb --scan scan -o $out; done
 [ ! -e views.png ] && [ ! -e views.mp4 ] || failed "a refused render made its output"
 
+touch a.png
+refuses "-o: a.png is there already" render a.glb
+refuses "-o: --scan draws many pictures; name a folder" render a.glb --scan scan
+[ ! -s a.png ] || failed "a picture that nobody named was overwritten"
+rm a.png
+
 for option in "--split train" "--poses p.json" "--scale 2" --without-pose-fit; do
     # shellcheck disable=SC2086  # an option and its value are words
     refuses "${option%% *} requires --scan" render a.glb -o a.png $option

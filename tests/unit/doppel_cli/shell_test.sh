@@ -64,6 +64,8 @@ is "render --json" "$("$doppel" render avatar.glb -o a.png --size 32x32 --render
 is "pack --json" "$("$doppel" pack avatar.glb -o small.glb --pictures 2 --json 2>/dev/null |
     python3 -c 'import json, os, sys; d = json.load(sys.stdin); print(d["bytes"] == os.path.getsize(d["file"]) == d["curve"][-1]["bytes"])')" "True"
 error_of() { python3 -c 'import json, sys; e = json.load(sys.stdin)["error"]; print(e["code"], sys.argv[1] in e["message"])' "$1"; }
+(mkdir bare && cd bare && "$doppel" render ../avatar.glb --size 32x32 --renderer software --quiet)
+is "render without -o names its picture" "$(ls bare)" "avatar.png"
 is "errors as JSON" "$("$doppel" render nowhere.glb -o a.png --json 2>/dev/null | error_of nowhere.glb)" "not-found True"
 is "wrong arguments as JSON" "$("$doppel" render avatar.glb -o a.gif --json 2>/dev/null | error_of a.gif)" "invalid-argument True"
 is "an unknown option as JSON" "$("$doppel" reconstruct scan -o out --json --presett draft 2>/dev/null | error_of --presett)" \
