@@ -9,6 +9,7 @@ import tempfile
 import unittest
 
 PAGE = pathlib.Path(__file__).resolve().parents[2] / "tools/farm/index_page.py"
+ADVICE = "What to film again, the most helpful first:\n  1. Film the <face>\n  2. Walk once more\n"
 
 
 class Farm:
@@ -26,14 +27,17 @@ class Farm:
                           "cpuSeconds": 60 * cpu_minutes, "peakBytes": 3 << 29})
         (self.out / name / "avatar.glb").write_bytes(bytes(2_000_000))
         means = {"static": {"with_pose_fit": {"masked_psnr_db": 25.125}}}
-        (self.out / name / "report.json").write_text(json.dumps({"means": means}))
+        (self.out / name / "report.json").write_text(json.dumps({"means": means, "word": "Usable", "film_again": ADVICE}))
+        (self.out / name / "portrait.jpg").write_bytes(b"JPEG")
 
     def write(self, name, result):
         (self.out / name).mkdir()
         (self.out / name / "result.json").write_text(json.dumps(result))
 
     def page(self, *names):
-        return subprocess.run([sys.executable, PAGE, self.out, *names], capture_output=True, text=True, check=True).stdout
+        subprocess.run([sys.executable, PAGE, self.out, *names], check=True)
+        assert [path.name for path in self.out.iterdir() if path.name.startswith(".index")] == [], "no part of a page is left"
+        return (self.out / "index.html").read_text()
 
 
 class IndexPage(unittest.TestCase):
@@ -49,12 +53,28 @@ class IndexPage(unittest.TestCase):
         self.assertIn("1 avatars, 1 without one", page)
         self.assertLess(page.index("<td>ben"), page.index("<td>ada"))
         self.assertIn("&lt;b&gt; is no name", page)
-        self.assertNotIn("<b>", page)
+        self.assertNotIn("<b> is", page)
 
     def test_figures_of_an_avatar(self):
         self.farm.finish("ada", 6, 9)
         cells = '<td class="n">25.12<td class="n">–<td class="n">2.00<td class="n">6.0<td class="n">1536'
         self.assertIn(cells, self.farm.page("ada"))
+
+    def test_a_row_shows_the_person_the_word_and_the_first_advice(self):
+        self.farm.finish("ada", 6, 9)
+        page = self.farm.page("ada")
+        self.assertIn('<img src="ada/portrait.jpg"', page)
+        self.assertIn("<b>Usable</b><br>Film the &lt;face&gt;<td", page)
+        self.assertNotIn("http-equiv", page, "a finished page stays")
+
+    def test_the_page_grows_during_the_night(self):
+        self.farm.finish("ada", 6, 9)
+        page = self.farm.page("cleo", "ada")
+        self.assertIn("1 avatars, 0 without one, 1 not done yet.", page)
+        self.assertLess(page.index("<td>ada"), page.index("<td>cleo"))
+        self.assertIn('http-equiv="refresh"', page)
+        self.farm.refuse("cleo", "no pictures")
+        self.assertNotIn("not done", self.farm.page("cleo", "ada"))
 
     def test_needs_of_many_are_those_of_runs_that_were_not_continued(self):
         self.farm.finish("ada", 6, 9)
