@@ -137,4 +137,22 @@ bare_root() {
     for f in /etc/apt/apt.conf.d/*proxy* /etc/apt/apt.conf; do [ -f "$f" ] && cp "$f" "$root/etc/apt/apt.conf.d/" || true; done
 }
 
+# in_root ROOT FOLDER COMMAND: runs it in a root of bare_root, in a private mount namespace, so that nothing stays mounted afterwards,
+# whatever happens inside. $cache and $archives, if set, are folders for ccache and for the packages that apt downloads.
+in_root() {
+    mkdir -p "$1/ccache"
+    ROOT="$1" FOLDER="$2" COMMAND="$3" CACHE="${cache:-}" ARCHIVES="${archives:-}" unshare --mount bash -c '
+        set -e
+        mount -t proc proc "$ROOT/proc"
+        mount --rbind /dev "$ROOT/dev"
+        if [ -n "$CACHE" ]; then mkdir -p "$CACHE"; mount --bind "$CACHE" "$ROOT/ccache"; fi
+        if [ -n "$ARCHIVES" ]; then mkdir -p "$ARCHIVES/partial"; mount --bind "$ARCHIVES" "$ROOT/var/cache/apt/archives"; fi
+        exec chroot "$ROOT" /usr/bin/env -i HOME=/root PATH=/usr/local/bin:/usr/sbin:/usr/bin:/sbin:/bin TERM=dumb CCACHE_DIR=/ccache \
+            ${http_proxy:+http_proxy="$http_proxy"} ${https_proxy:+https_proxy="$https_proxy"} \
+            bash -c "cd $FOLDER && $COMMAND"' </dev/null
+}
+
+# doppel_version: prints the version, DPL_VERSION_TEXT of doppel.h (tools/cmake/DoppelVersion.cmake).
+doppel_version() { sed -n 's/^#define DPL_VERSION_TEXT "\([^"]*\)".*/\1/p' sdk/include/doppel/doppel.h; }
+
 finish_tests() { [ "$tests_passed" -gt 0 ] || { echo "no test ran" >&2; return 1; }; }

@@ -6,6 +6,7 @@ import functools
 import json
 import pathlib
 import re
+import runpy
 import shlex
 import subprocess
 import sys
@@ -33,6 +34,10 @@ class Checker:
         files = [f for f in self.root.rglob("CMakeLists.txt") if "build" not in f.relative_to(self.root).parts]
         return "\n".join(f.read_text() for f in files + sorted((self.root / "tools/cmake").glob("*.cmake")))
 
+    @functools.cached_property
+    def release_packages(self):
+        return runpy.run_path(str(self.root / "tools/packaging/notices.py"))["COMPILED_IN"]
+
     def help(self, subcommands):
         return self.help_of(self.doppel, *subcommands)
 
@@ -59,7 +64,7 @@ class Checker:
             return self.check_viewer(words[1:])
         if program.startswith("tools/"):
             return self.check_script(program, words[1:])
-        if program in ("cc", "c++", "export", "./app", "build/app"):  # of the user's own program, which check_snippets builds and runs
+        if program in ("cc", "c++", "sha256sum", "export", "./app", "build/app"):  # of the user's own program, which check_snippets builds and runs
             return []
         if program == "sudo":
             return self.check_packages(words[1:])
@@ -105,6 +110,9 @@ class Checker:
 
     def check_packages(self, words):
         self.commands += 1
+        if words[:2] == ["apt", "install"]:  # packages of a release, by their files
+            return [f"'{word}' is no package of a release" for word in words[2:]
+                    if not re.fullmatch(r"\./[a-z0-9-]+\*\.deb", word) or word[2:-5] not in self.release_packages]
         if words[:2] != ["apt-get", "install"]:
             return [f"'sudo {' '.join(words[:2])}' is no command that this test knows"]
         known = [name for path in (self.root / "tools").glob("packages*.txt") for name in path.read_text().split()]

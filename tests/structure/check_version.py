@@ -12,6 +12,7 @@ import sys
 COPIES = {  # files that cannot read the header -> pattern of the version in them
     "apps/android/build.gradle.kts": r'versionName = "([^"]*)"',
     "apps/xr/android/build.gradle.kts": r'versionName = "([^"]*)"',
+    "tools/packaging/vcpkg/vcpkg.json": r'"version-semver": "([^"]*)"',
 }
 
 

@@ -12,14 +12,16 @@ set(doppel_library_component libdoppel${PROJECT_VERSION_MAJOR})
 set(doppel_sdk_component libdoppel-dev)
 set(doppel_tools_component doppel-tools)
 set(doppel_viewer_component doppel-viewer)
-set(CMAKE_BUILD_RPATH_USE_ORIGIN ON)  # else the path of the build tree, though cut out at install, decides where later bytes lie
 
 include(GNUInstallDirs)
 find_package(Python3 REQUIRED COMPONENTS Interpreter)
-file(STRINGS /etc/os-release system REGEX "^(ID|VERSION_ID)=")
-list(TRANSFORM system REPLACE "^[^=]*=\"?([^\"]*)\"?$" "\\1")
-string(REPLACE ";" "" system "${system}")
-string(REPLACE "debian" "deb" system "${system}")  # deb12, ubuntu24.04
+set(system)  # deb12, ubuntu24.04
+foreach(field ID VERSION_ID)
+  file(STRINGS /etc/os-release line REGEX "^${field}=")
+  string(REGEX REPLACE "^${field}=\"?([^\"]*)\"?$" "\\1" line "${line}")
+  string(APPEND system "${line}")
+endforeach()
+string(REPLACE "debian" "deb" system "${system}")
 
 set(CPACK_GENERATOR DEB)
 set(CPACK_PACKAGE_NAME doppel)
@@ -39,7 +41,8 @@ set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS_PRIVATE_DIRS ${PROJECT_BINARY_DIR}/sdk/api)
 set(CPACK_DEBIAN_PACKAGE_CONTROL_STRICT_PERMISSION ON)
 set(CPACK_DEBIAN_PACKAGE_PRIORITY optional)
 
-# doppel_package(NAME SECTION DEPENDS RECOMMENDS DESCRIPTION): the fields of a package, and its licences in share/doc.
+# doppel_package(NAME SECTION DEPENDS RECOMMENDS DESCRIPTION): the fields of a package, and its licences in share/doc. cpack puts the
+# project's description above its own.
 set(same_version "(= ${DOPPEL_VERSION_DEBIAN}-${CPACK_DEBIAN_PACKAGE_RELEASE})")
 set(copyrights)
 function(doppel_package name section depends recommends description)
@@ -48,7 +51,7 @@ function(doppel_package name section depends recommends description)
   set(CPACK_DEBIAN_${upper}_PACKAGE_SECTION ${section} PARENT_SCOPE)
   set(CPACK_DEBIAN_${upper}_PACKAGE_DEPENDS "${depends}" PARENT_SCOPE)
   set(CPACK_DEBIAN_${upper}_PACKAGE_RECOMMENDS "${recommends}" PARENT_SCOPE)
-  set(CPACK_COMPONENT_${upper}_DESCRIPTION "${description}" PARENT_SCOPE)
+  set(CPACK_DEBIAN_${upper}_DESCRIPTION "${description}" PARENT_SCOPE)
   set(copyright ${PROJECT_BINARY_DIR}/copyright/${name}/copyright)
   add_custom_command(OUTPUT ${copyright}
     COMMAND ${Python3_EXECUTABLE} ${PROJECT_SOURCE_DIR}/tools/packaging/notices.py ${name} ${copyright}
@@ -57,20 +60,20 @@ function(doppel_package name section depends recommends description)
   set(copyrights ${copyrights} PARENT_SCOPE)
   install(FILES ${copyright} DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/${name} COMPONENT ${name})
 endfunction()
-doppel_package(${doppel_library_component} libs "" "libvulkan1" "draws drivable photoreal splat avatars
-Loads, poses and draws avatars, on the CPU or with Vulkan, which it looks for
-at run time.")
+doppel_package(${doppel_library_component} libs "" "libvulkan1" "The library: loads, poses and draws avatars,
+on the CPU or with Vulkan, which it looks for at run time.")
 doppel_package(${doppel_sdk_component} libdevel "${doppel_library_component} ${same_version}"
-  "libdraco-dev, libhwy-dev, libzstd-dev, zlib1g-dev" "draws drivable photoreal splat avatars (development files)
-Headers of the C and C++ interfaces, the static library, and files for CMake
-and pkg-config. The static library needs the recommended packages.")
-doppel_package(${doppel_tools_component} graphics "${doppel_library_component} ${same_version}" "ffmpeg, colmap"
-  "makes drivable photoreal avatars of phone scans
-The program doppel: from videos of a person to an avatar, on the CPU. ffmpeg
-reads and writes videos, COLMAP finds cameras. No neural network is inside.")
-doppel_package(${doppel_viewer_component} graphics "${doppel_library_component} ${same_version}" "" "shows drivable avatars in a window or a headset
-The programs doppel-viewer, which needs a Vulkan driver, and doppel-xr, which
-needs an OpenXR runtime.")
+  "libdraco-dev, libhwy-dev, libzstd-dev, zlib1g-dev" "Headers of the C and C++ interfaces, the
+static library, and files for CMake and pkg-config. The static library needs
+the recommended packages.")
+set(CPACK_DEBIAN_LIBDOPPEL-DEV_PACKAGE_SUGGESTS libopenxr-dev)
+# It carries a library of its own (apps/doppel), so that its one file installs alone.
+doppel_package(${doppel_tools_component} graphics "" "ffmpeg, colmap"
+  "The program doppel: from videos of a person to an
+avatar, on the CPU. ffmpeg reads and writes videos, COLMAP finds cameras. No
+neural network is inside.")
+doppel_package(${doppel_viewer_component} graphics "${doppel_library_component} ${same_version}" "" "The programs doppel-viewer,
+which needs a Vulkan driver, and doppel-xr, which needs an OpenXR runtime.")
 add_custom_target(doppel_copyrights ALL DEPENDS ${copyrights})
 string(TOUPPER ${doppel_library_component} upper)
 set(CPACK_DEBIAN_${upper}_PACKAGE_GENERATE_SHLIBS ON)

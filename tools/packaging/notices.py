@@ -20,9 +20,8 @@ GCC = "GPL-3.0-or-later WITH GCC-exception-3.1"
 COMPILED_IN = {
     "libdoppel1": LIBRARY,
     "libdoppel-dev": LIBRARY,
-    "doppel-tools": {"libceres-dev": "BSD-3-Clause", "libeigen3-dev": "MPL-2.0", "libcli11-dev": "BSD-3-Clause",
-                     "libnanoflann-dev": "BSD-2-Clause", "libtomlplusplus-dev": "MIT", "nlohmann-json3-dev": "MIT", "libglm-dev": "MIT",
-                     "libtinygltf-dev": "MIT", "libxxhash-dev": "BSD-2-Clause"},
+    "doppel-tools": {**LIBRARY, "libceres-dev": "BSD-3-Clause", "libeigen3-dev": "MPL-2.0", "libcli11-dev": "BSD-3-Clause",
+                     "libnanoflann-dev": "BSD-2-Clause", "libtomlplusplus-dev": "MIT"},
     "doppel-viewer": {"libimgui-dev": "MIT", "libstb-dev": "MIT", "libcli11-dev": "BSD-3-Clause", "nlohmann-json3-dev": "MIT",
                       "libglm-dev": "MIT", "libvulkan-dev": "Apache-2.0", "libopenxr-dev": "Apache-2.0"},
     # The DLL holds its libraries and the compiler's run time. tools/deps builds them from the sources of these packages.
