@@ -102,6 +102,18 @@ def arrow_problems(root):
             yield f"docs/overview.md: the row of `{room}` should say: {wanted}"
 
 
+def guide_problems(root, page):
+    """Every guide stands in the index of guides, which llms.txt leads coding agents to."""
+    targets = {(page.path.parent / target).resolve() for _, target in page.links()}
+    index = (root / "docs/guides/README.md").resolve()
+    if page.name == "llms.txt" and index not in targets:
+        yield "llms.txt: no link to docs/guides/README.md"
+    if page.path.resolve() == index:
+        for guide in sorted(index.parent.glob("*.md")):
+            if guide.resolve() not in targets | {index}:
+                yield f"{page.name}: {guide.name} is not in this index"
+
+
 def readme_problems(root, page):
     """Says first for whom and where; stays short."""
     if page.name != "README.md":
@@ -129,6 +141,7 @@ def problems(root):
         yield from adr_problems(page)
         yield from cited_problems(root, page)
         yield from readme_problems(root, page)
+        yield from guide_problems(root, page)
         if not page.is_history():
             yield from path_problems(root, page)
 

@@ -49,6 +49,15 @@ class Checkers(unittest.TestCase):
         self.page("# One two\n[good](page.md#one-two) [bad](no.md) [anchor](#three) [web](https://example.org)\n")
         self.complaints(["no.md leads nowhere", "no heading 'three'"], check_pages.problems(self.root))
 
+    def test_index_of_guides(self):
+        (self.root / "docs/guides").mkdir()
+        self.page("# A\n", "docs/guides/a.md")
+        self.page("# B\n", "docs/guides/b.md")
+        self.page("# Guides\n[a](a.md)\n", "docs/guides/README.md")
+        self.page("# X\n[gone](docs/gone.md)\n", "llms.txt")
+        self.complaints(["b.md is not in this index", "docs/gone.md leads nowhere", "no link to docs/guides/README.md"],
+                        check_pages.problems(self.root))
+
     def test_paths(self):
         self.page("`sdk/math` `sdk/gone.h` `sdk/*` `other/thing`\n```\n`sdk/in_a_block`\n```\n")
         self.complaints(["`sdk/gone.h` does not exist"], check_pages.problems(self.root))

@@ -64,7 +64,7 @@ def read_page(root, path):
 
 
 def pages(root):
-    for path in sorted(root.rglob("*.md")):
+    for path in [*sorted(root.rglob("*.md")), *root.glob("llms.txt")]:  # llms.txt is Markdown by its convention
         parts = path.relative_to(root).parts
         if not any(part in SKIPPED_FOLDERS or part.startswith(".") for part in parts[:-1]):
             yield read_page(root, path)
