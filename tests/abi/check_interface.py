@@ -3,7 +3,7 @@
 """Compares headers, exports, the C test and the C++ wrapper: check_interface.py SOURCE_DIR.
 - Every function of the headers is in exports.txt, those of doppel_metal.h are in exports_metal.txt, and no other is.
 - call_everything.c calls each exported function; tests/metal/metal_from_c.c those of Metal.
-- doppel.hpp calls each function of the headers, or unwrapped.txt says why not.
+- doppel.hpp and its parts call each function of the headers, or unwrapped.txt says why not.
 - Every struct of the headers has its size pinned in header_as_c.c, those of Metal in metal_from_c.c."""
 import pathlib
 import re
@@ -36,7 +36,7 @@ def listed(name):
 exports = {False: listed("exports.txt"), True: listed("exports_metal.txt")}  # by whether they are Metal's
 from_c = {False: abi / "call_everything.c", True: root / "tests/metal/metal_from_c.c"}
 called = {metal: set(re.findall(r"\b(dpl\w+)\s*\(", code(path))) for metal, path in from_c.items()}
-wrapped = set(re.findall(r"\b(dpl\w+)\b", code(headers / "doppel.hpp")))
+wrapped = {name for part in headers.glob("*.hpp") for name in re.findall(r"\b(dpl\w+)\b", code(part))}
 reasons = {}
 for line in (abi / "unwrapped.txt").read_text().splitlines():
     if line and not line.startswith("#"):

@@ -1,0 +1,225 @@
+// SPDX-License-Identifier: Apache-2.0
+// Avatars and trackers of the C++ wrapper. Part of doppel.hpp, which includes it.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <doppel/doppel_result.hpp>
+
+namespace doppel {
+
+/** Owns one tracker, which it destroys. Move-only, as Avatar. It may outlive its avatar, but then poses nothing. */
+class Tracker {
+public:
+    /** Takes ownership of `handle`. */
+    explicit Tracker(DplTracker handle) : handle_(handle) {}
+    Tracker(Tracker&& other) noexcept : handle_(std::exchange(other.handle_, nullptr)) {}
+    Tracker& operator=(Tracker&& other) noexcept {
+        std::swap(handle_, other.handle_);
+        return *this;
+    }
+    ~Tracker() { dplDestroyTracker(handle_); }
+
+    DplTracker handle() const { return handle_; }
+    /** One frame of the platform; see dplTrackFrame. rotations: 4 floats a joint, or empty. positions: 3 a joint. confidence: 1 a joint, or
+     *  empty. */
+    Status frame(int64_t timeNs, std::span<const float> rotations, std::span<const float> positions,
+                 std::span<const float> confidence = {}) {
+        const size_t count = positions.size() / 3;
+        if (positions.size() != 3 * count || (!rotations.empty() && rotations.size() != 4 * count) ||
+            (!confidence.empty() && confidence.size() != count))
+            return Error{DPL_ERROR_INVALID_ARGUMENT, "a frame has 3 numbers a joint for positions, 4 for rotations and 1 for confidence"};
+        DplTrackFrame given{};
+        given.structSize = sizeof given, given.jointCount = uint32_t(count), given.timeNs = timeNs;
+        given.rotations = rotations.empty() ? nullptr : rotations.data(), given.positions = positions.data();
+        given.confidence = confidence.empty() ? nullptr : confidence.data();
+        return status(dplTrackFrame(handle_, &given));
+    }
+    /** Poses the avatar for a picture that is shown at displayTimeNs. */
+    Result<DplTrackerStatus> setPose(int64_t displayTimeNs) {
+        return filled<DplTrackerStatus>(dplSetPoseFromTracker, handle_, displayTimeNs);
+    }
+
+private:
+    DplTracker handle_ = nullptr;
+};
+
+/** Name of a joint of a tracker's format in the platform's words; see dplGetTrackJointName. */
+inline Result<const char*> trackJointName(DplTrackFormat format, uint32_t joint) {
+    const char* name = nullptr;
+    if (const DplResult r = dplGetTrackJointName(format, joint, &name); r != DPL_OK) return lastError(r);
+    return name;
+}
+
+/** How Avatar::lookAtPoint looks; see DplGaze. Its weights are the usual ones. */
+struct Gaze : DplGaze {
+    /** targetM: metres, in the space of the avatar's pose. */
+    explicit Gaze(const std::array<float, 3>& targetM) : DplGaze{} {
+        structSize = sizeof(DplGaze), headWeight = 0.7f, eyeWeight = 1;
+        for (size_t axis = 0; axis < 3; ++axis) target[axis] = targetM[axis];
+    }
+};
+
+/** A layer for Avatar::setPoseFromClips; see DplClipLayer. */
+inline DplClipLayer clipLayer(uint32_t clip, double timeS, float weight = 1, uint32_t joint = 0, uint32_t flags = DPL_LAYER_LOOP) {
+    DplClipLayer layer{};
+    layer.structSize = sizeof layer, layer.clip = clip, layer.timeS = timeS;
+    layer.weight = weight, layer.joint = joint, layer.flags = flags;
+    return layer;
+}
+
+/** Owns one avatar, which it destroys. Move-only: construction by move leaves the source empty, assignment by move swaps. */
+class Avatar {
+public:
+    /** Takes ownership of `handle`, which was loaded with `context`. The context is not owned. */
+    Avatar(DplContext context, DplAvatar handle) : context_(context), handle_(handle) {}
+    Avatar(Avatar&& other) noexcept : context_(other.context_), handle_(std::exchange(other.handle_, nullptr)) {}
+    Avatar& operator=(Avatar&& other) noexcept {
+        std::swap(context_, other.context_);
+        std::swap(handle_, other.handle_);
+        return *this;
+    }
+    ~Avatar() { dplDestroyAvatar(handle_); }
+
+    DplAvatar handle() const { return handle_; }
+
+    Result<DplAvatarInfo> info() const { return filled<DplAvatarInfo>(dplGetAvatarInfo, handle_); }
+    Result<DplFileAxes> fileAxes() const { return filled<DplFileAxes>(dplGetFileAxes, handle_); }
+    Result<DplJointInfo> joint(uint32_t index) const { return filled<DplJointInfo>(dplGetJointInfo, handle_, index); }
+    Result<uint32_t> findJoint(const std::string& name) const {
+        uint32_t index = 0;
+        if (const DplResult r = dplFindJoint(handle_, name.c_str(), &index); r != DPL_OK) return lastError(r);
+        return index;
+    }
+    Result<DplClipInfo> clip(uint32_t index) const { return filled<DplClipInfo>(dplGetClipInfo, handle_, index); }
+    /** Where it stands, until changed: a row-major 3×4 matrix of a rotation, one scale and a translation. See dplSetTransform. */
+    Status setTransform(std::span<const float, 12> worldFromAvatar) { return status(dplSetTransform(handle_, worldFromAvatar.data())); }
+    Result<std::array<float, 12>> transform() const {
+        std::array<float, 12> worldFromAvatar{};
+        if (const DplResult r = dplGetTransform(handle_, worldFromAvatar.data()); r != DPL_OK) return lastError(r);
+        return worldFromAvatar;
+    }
+    /** rotations: 4 floats (x, y, z, w) per joint, local. rootTranslation: 3 floats, metres, or empty for zero. */
+    Status setPose(std::span<const float> rotations, std::span<const float> rootTranslation = {}) {
+        if (Status fits = checkPoseSizes(rotations.size(), rootTranslation.size()); !fits) return fits;
+        return status(dplSetPose(handle_, rotations.data(), uint32_t(rotations.size() / 4),
+                                 rootTranslation.empty() ? nullptr : rootTranslation.data()));
+    }
+    /** The same for a picture that is shown at timeNs, ns of any one clock: clothes then remember. See dplSetPoseAtTime. */
+    Status setPose(std::span<const float> rotations, std::span<const float> rootTranslation, int64_t timeNs) {
+        if (Status fits = checkPoseSizes(rotations.size(), rootTranslation.size()); !fits) return fits;
+        return status(dplSetPoseAtTime(handle_, rotations.data(), uint32_t(rotations.size() / 4),
+                                       rootTranslation.empty() ? nullptr : rootTranslation.data(), timeNs));
+    }
+    /** Clothes forget: they are those of the current pose alone. */
+    Status settle() { return status(dplSettle(handle_)); }
+    /** What the clothes remember in the current pose, and its time. */
+    Result<std::vector<uint8_t>> motionState() const {
+        size_t size = 0;
+        if (const DplResult r = dplGetMotionState(handle_, nullptr, 0, &size); r != DPL_OK) return lastError(r);
+        std::vector<uint8_t> state(size);
+        if (const DplResult r = dplGetMotionState(handle_, state.data(), state.size(), &size); r != DPL_OK) return lastError(r);
+        return state;
+    }
+    /** Restores motionState() of an avatar of the same file. */
+    Status setMotionState(std::span<const uint8_t> state) { return status(dplSetMotionState(handle_, state.data(), state.size())); }
+    /** The current pose: 4 floats a joint, and the root translation. Either may be empty. */
+    Status pose(std::span<float> rotations, std::span<float> rootTranslation = {}) const {
+        if (Status fits = checkPoseSizes(rotations.size(), rootTranslation.size()); !fits) return fits;
+        return status(dplGetPose(handle_, rotations.empty() ? nullptr : rotations.data(), uint32_t(rotations.size() / 4),
+                                 rootTranslation.empty() ? nullptr : rootTranslation.data()));
+    }
+    /** timeS: seconds from the start of the clip; it wraps around if `loop`, else it is clamped. */
+    Status setPoseFromClip(uint32_t clip, double timeS, bool loop = true) {
+        return status(dplSetPoseFromClip(handle_, clip, timeS, loop ? DPL_TRUE : DPL_FALSE));
+    }
+    /** Retargets a BVH or glTF motion onto this avatar. Returns the index of the new clip. */
+    Result<uint32_t> loadClip(std::span<const uint8_t> bytes, const DplClipOptions* options = nullptr) {
+        uint32_t index = 0;
+        if (const DplResult r = dplLoadClip(handle_, bytes.data(), bytes.size(), options, &index); r != DPL_OK) return lastError(r);
+        return index;
+    }
+    /** Mixes clips for a picture that is shown at timeNs, ns of any one clock: cross-fades, and layers over a part of the body. See
+     *  dplSetPoseFromClips; Player makes layers. */
+    Status setPoseFromClips(std::span<const DplClipLayer> layers, int64_t timeNs) {
+        return status(dplSetPoseFromClips(handle_, layers.data(), uint32_t(layers.size()), timeNs));
+    }
+    /** Moves `layer` so that it goes on from where `before` stands; see dplJoinClipLayer. */
+    Status joinClipLayer(const DplClipLayer& before, DplClipLayer& layer) const {
+        return status(dplJoinClipLayer(handle_, &before, &layer));
+    }
+    /** Turns neck, head and eyes of the current pose towards a point. Once after each pose, before drawing; see dplLookAtPoint. */
+    Status lookAtPoint(const DplGaze& gaze) { return status(dplLookAtPoint(handle_, &gaze)); }
+    /** How far the current pose lies from the training poses. distances: one for each joint, or empty. */
+    Result<DplPoseTrust> poseTrust(std::span<float> distances = {}) const {
+        DplPoseTrust trust{};
+        trust.structSize = sizeof trust;
+        const DplResult r = dplGetPoseTrust(handle_, &trust, distances.empty() ? nullptr : distances.data(), uint32_t(distances.size()));
+        if (r != DPL_OK) return lastError(r);
+        return trust;
+    }
+    /** Turns joints back until none is farther from its training than `limit` standard deviations. */
+    Status holdPose(float limit) { return status(dplHoldPose(handle_, limit)); }
+    /** A tracker that poses this avatar. rest: 4 and 3 floats a joint, or empty; flags: DplTrackerFlag. See dplCreateTracker. */
+    Result<Tracker> createTracker(DplTrackFormat format, uint32_t flags = 0, std::span<const float> restRotations = {},
+                                  std::span<const float> restPositions = {}) const {
+        if (restRotations.size() / 4 != restPositions.size() / 3)
+            return Error{DPL_ERROR_INVALID_ARGUMENT, "a rest pose has 4 floats a joint for rotations and 3 for positions"};
+        DplTrackerInfo wanted{};
+        wanted.structSize = sizeof wanted, wanted.format = format, wanted.flags = flags;
+        wanted.restCount = uint32_t(restPositions.size() / 3);
+        wanted.restRotations = restRotations.data(), wanted.restPositions = restPositions.data();
+        DplTracker made = nullptr;
+        if (const DplResult r = dplCreateTracker(handle_, &wanted, &made); r != DPL_OK) return lastError(r);
+        return Tracker(made);
+    }
+    /** World positions of all joints in the current pose and transform, 3 floats each, metres. */
+    Result<std::vector<float>> jointPositions() const {
+        auto about = info();
+        if (!about) return about.error();
+        std::vector<float> positions(size_t(about->jointCount) * 3);
+        if (const DplResult r = dplGetJointPositions(handle_, positions.data(), about->jointCount); r != DPL_OK) return lastError(r);
+        return positions;
+    }
+    /** How finely the scan shows the surface of a joint; all 0 without a capture map. */
+    Result<DplCaptureDetail> captureDetail(uint32_t joint) const { return filled<DplCaptureDetail>(dplGetCaptureDetail, handle_, joint); }
+    /** How near a camera may come before it magnifies the scan's finest details more than so many times; metres, 0 without a capture map.
+     *  point, eye: 3 floats, metres. */
+    Result<float> nearestDistance(std::span<const float, 3> point, std::span<const float, 3> eye, float focalPx,
+                                  float magnification) const {
+        float distanceM = 0;
+        if (const DplResult r = dplGetNearestDistance(handle_, point.data(), eye.data(), focalPx, magnification, &distanceM); r != DPL_OK)
+            return lastError(r);
+        return distanceM;
+    }
+    Result<DplFrameStats> frameStats() const { return filled<DplFrameStats>(dplGetFrameStats, handle_); }
+    Result<DplPassTime> passTime(uint32_t pass) const { return filled<DplPassTime>(dplGetPassTime, handle_, pass); }
+    /** Draws and returns when the pixels are in the images. One image per view. */
+    Status render(std::span<const DplCamera> views, std::span<const DplImage> images) const {
+        if (views.size() != images.size()) return Error{DPL_ERROR_INVALID_ARGUMENT, "as many images as views are needed"};
+        return status(dplRender(context_, handle_, views.data(), uint32_t(views.size()), images.data()));
+    }
+
+    /** render() in two halves, as dplDraw and dplReadImages. flags: DplDrawFlag, combined by |. */
+    Status draw(std::span<const DplCamera> views, uint32_t flags = 0) const {
+        return status(dplDraw(context_, handle_, views.data(), uint32_t(views.size()), flags));
+    }
+    Status readImages(std::span<const DplImage> images) const {
+        return status(dplReadImages(context_, handle_, images.data(), uint32_t(images.size())));
+    }
+
+private:
+    static Status checkPoseSizes(size_t rotations, size_t rootTranslation) {
+        if (rotations % 4 == 0 && (rootTranslation == 0 || rootTranslation == 3)) return {};
+        return Error{DPL_ERROR_INVALID_ARGUMENT, "a pose has 4 floats a joint and a root translation of 3 floats or none"};
+    }
+    DplContext context_ = nullptr;
+    DplAvatar handle_ = nullptr;
+};
+
+}  // namespace doppel
