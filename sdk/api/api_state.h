@@ -29,6 +29,7 @@
 namespace dpl::api {
 
 class Loader;
+struct Surface;
 struct VulkanSide;
 struct MetalSide;
 
@@ -81,6 +82,10 @@ struct Avatar {
     std::vector<Mat3x4f> transforms;               // scratch of dplGetJointPositions, dplGetNearestDistance and dplLookAtPoint
     PoseTrust trust;                               // scratch of dplGetPoseTrust
     FrameStats stats;                              // result of the last dplGetFrameStats
+    std::unique_ptr<Surface> surface;              // of the calls of doppel_surface.h; null before the first
+    std::vector<uint8_t> carriesSplats;            // one a triangle
+    uint64_t hiddenLayers = 0;                     // a bit each
+    Avatar();
     ~Avatar();
 
     /** Replays a clip, which must stay where it is. Takes milliseconds, and needs no lock. */

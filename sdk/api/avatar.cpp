@@ -5,9 +5,12 @@
 #include <optional>
 
 #include "sdk/api/api_state.h"
+#include "sdk/api/surface.h"
 #include "sdk/avatar/capture_zoom.h"
 
 namespace dpl::api {
+
+Avatar::Avatar() = default;
 
 Avatar::~Avatar() {
     if (renderId == 0) return;  // of a load that failed early; perhaps it has no context yet

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Contexts, versions, errors and the log.
 #include <algorithm>
+#include <atomic>
 #include <string>
 
 #include "sdk/api/api_state.h"
@@ -40,6 +41,7 @@ Status checkUsable(const Context& context) {
 namespace {
 
 thread_local std::string lastError;
+std::atomic<bool> listened = false;  // a callback receives the log
 
 DplResult publicCode(Code code) {
     switch (code) {
@@ -73,7 +75,8 @@ DplResult report(const char* function, const Error& error) noexcept {
         std::string text = error.message;
         if (text.empty()) text = error.code == Code::OutOfMemory ? "out of memory" : "something went wrong inside the library";
         lastError = std::string(function) + ": " + text;
-        if (error.code == Code::InvalidArgument) logText(LogLevel::Warning, lastError);
+        // Only to a callback: the call returns it, and stderr belongs to the program.
+        if (error.code == Code::InvalidArgument && listened) logText(LogLevel::Warning, lastError);
     } catch (...) {
         lastError.clear();  // out of memory
     }
@@ -124,6 +127,7 @@ const char* dplGetResultName(DplResult result) {
 
 DplResult dplSetLogCallback(DplLogCallback callback, void* user) {
     return guarded("dplSetLogCallback", [&]() -> Status {
+        listened = callback != nullptr;
         if (callback == nullptr) {
             setLogSink({});
             return {};

@@ -33,6 +33,8 @@ Result<Decoded> decodeAvatar(std::span<const uint8_t> bytes) {
     boundGarments(decoded.joints, decoded.mesh);
     auto made = std::make_shared<Avatar>();
     made->data = std::make_shared<const AvatarData>(std::move(decoded));
+    made->carriesSplats.assign(made->data->mesh.triangles.size(), 0);
+    for (const uint32_t triangle : coded.splats.parents) made->carriesSplats[triangle] = 1;
     made->fileSplatCount = coded.splats.count(), made->fileShDegree = coded.splats.shDegree;
     made->pose = Pose::rest(made->data->joints.size());
     for (const ClipData& clip : made->data->clips) made->addClip(clip, made->memoryOf(clip));

@@ -7,6 +7,11 @@
 
 namespace dpl {
 
+bool samePose(const Pose& a, const Pose& b) {
+    return a.localRotations.size() == b.localRotations.size() && a.rootTranslation == b.rootTranslation && a.before == b.before &&
+           std::equal(a.localRotations.begin(), a.localRotations.end(), b.localRotations.begin());
+}
+
 void PosedMesh::control(const PosedSubject& s, const Pose& pose) {
     coefficients_.clear(), nodes_.clear();
     if (!s.correctives.empty()) {
@@ -16,7 +21,7 @@ void PosedMesh::control(const PosedSubject& s, const Pose& pose) {
     jointTransforms(s.joints, pose, worldFromRest_);
 }
 
-void PosedMesh::surface(const PosedSubject& s, Jobs& jobs) {
+void PosedMesh::vertices(const PosedSubject& s, Jobs& jobs) {
     if (s.correctives.empty()) {
         moved_.assign(s.mesh.restPositions.begin(), s.mesh.restPositions.end());
         light_.clear();
@@ -24,6 +29,10 @@ void PosedMesh::surface(const PosedSubject& s, Jobs& jobs) {
         spreadCorrectives(s.correctives, nodes_, s.mesh.restPositions, jobs, moved_, light_);
     }
     skin(s.mesh, moved_, worldFromRest_, jobs, positions_);
+}
+
+void PosedMesh::surface(const PosedSubject& s, Jobs& jobs) {
+    vertices(s, jobs);
     addSceneLight(s, jobs);
     poseTriangles(s.mesh, s.rest, positions_, jobs, frames_, light_);
 }

@@ -19,6 +19,9 @@ struct PosedSubject {
     std::span<const Vec3f> normals = {};  // V, of RestNormals; empty: computed in each pose that needs them, which costs time
 };
 
+/** Whether both give the same mesh. */
+bool samePose(const Pose& a, const Pose& b);
+
 /** A mesh in a pose. It keeps its buffers, so posing again allocates nothing. One thread at a time. */
 class PosedMesh {
 public:
@@ -29,6 +32,14 @@ public:
     /** Second half: vertices and triangles. Callers skip it for an avatar that no view shows; frames() and positions() are then those of
      *  the earlier pose. */
     void surface(const PosedSubject& subject, Jobs& jobs);
+    /** The part of surface() that gives positions(), rest() and light() without that of the scene: for those who need no triangle frames.
+     */
+    void vertices(const PosedSubject& subject, Jobs& jobs);
+
+    /** After surface(): no splat of these triangles is drawn, until the next surface(). */
+    void hideTriangles(size_t first, size_t count) {
+        for (size_t t = first; t < first + count; ++t) frames_[t].valid = false;
+    }
 
     std::span<const TriangleFrame<float>> frames() const { return frames_; }
     std::span<const Vec3f> positions() const { return positions_; }            // V, world

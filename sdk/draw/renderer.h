@@ -101,6 +101,7 @@ struct Drawn {
     RenderAvatarId avatar = 0;
     const Pose* pose = nullptr;
     Placement placement = {};
+    uint64_t hiddenLayers = 0;  // a bit each: layers of an avatar that are not drawn
 };
 
 /** A subject that a renderer has checked and converted, ready for add() of the same renderer. */

@@ -99,7 +99,7 @@ Status GpuRenderer::drawOrEncode(std::span<const Drawn> what, std::span<const Ca
     const bool shared = views.size() == 1 || shareOrder(views);
     const DrawCall call{what, {subjects, what.size()}, {views, shared}, wants, app};
     DPL_TRY(SceneSet * set, cache_.sceneSet({ids, what.size()}));
-    const bool cullComponents = !wants.meshDepth;  // mesh depth needs every triangle posed
+    const bool cullComponents = !wants.meshDepth;  // mesh depth needs every triangle that is not hidden
     const PosedSet posed = poser_.pose(what, call.subjects, call.views, detail_, cullComponents);
     for (size_t k = 0; k < what.size(); ++k) lastDraws_.at(ids[k]).drawnShare = posed.subjects[k].drawnShare;
     LastDraw& last = lastDraws_.at(ids[0]);

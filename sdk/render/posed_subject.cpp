@@ -42,12 +42,12 @@ PosedSet SubjectPoser::pose(std::span<const Drawn> what, std::span<LoadedSubject
         out.generalDetail = members[k].generalDetail;
         out.drawnShare = members[k].share;
         out.largestGrowth = subject.detail.largestGrowth(out.detail.perM2);
-        out.unseen = {};
+        out.unseen.fill(subject.components.ofLayers(what[k].hiddenLayers));
         if (!subject.avatar || !cullComponents) continue;
         const FrameViews own{out.views.cameras(), views.shared};
         for (size_t frame = 0; frame < own.frameCount(); ++frame)
-            out.unseen[frame] = subject.components.unseen(out.worldFromRest, out.coefficients, own.of(frame), subject.splats.kappaPx2,
-                                                          out.largestGrowth, out.views.scale());
+            out.unseen[frame] |= subject.components.unseen(out.worldFromRest, out.coefficients, own.of(frame), subject.splats.kappaPx2,
+                                                           out.largestGrowth, out.views.scale());
     }
     return {{posed_.data(), subjects.size()}, splats};
 }

@@ -16,15 +16,16 @@ namespace dpl {
 
 /** One subject in one draw call. General splats have no pose: their vectors are empty. */
 struct DrawnSubject {
-    std::vector<Mat3x4f> worldFromRest;             // of each joint
-    std::vector<float> coefficients;                // of the pose correctives; empty without them
-    std::vector<Vec4f> nodes;                       // their control nodes
-    SplatDetail detail;                             // of an avatar
-    GeneralDetail generalDetail;                    // of general splats
-    float drawnShare = 1;                           // upper bound of the share of its splats that this level of detail draws
-    float largestGrowth = 1;                        // upper bound of the factor by which it enlarges splats
-    SubjectViews views;                             // of the draw
-    std::array<uint32_t, gpu::kMaxViews> unseen{};  // for each frame of the draw: bits of the components that its views cannot show
+    std::vector<Mat3x4f> worldFromRest;  // of each joint
+    std::vector<float> coefficients;     // of the pose correctives; empty without them
+    std::vector<Vec4f> nodes;            // their control nodes
+    SplatDetail detail;                  // of an avatar
+    GeneralDetail generalDetail;         // of general splats
+    float drawnShare = 1;                // upper bound of the share of its splats that this level of detail draws
+    float largestGrowth = 1;             // upper bound of the factor by which it enlarges splats
+    SubjectViews views;                  // of the draw
+    std::array<uint32_t, gpu::kMaxViews>
+        unseen{};  // for each frame of the draw: bits of the components that its views cannot show, and of hidden layers
 };
 
 /** Distributes the views of a draw call over frames: all views in one frame, or one frame for each view. */
@@ -46,7 +47,7 @@ struct PosedSet {
 class SubjectPoser {
 public:
     /** subjects[k] belongs to what[k], views to the world. Level of detail is chosen for all views at once, so that both eyes see the same
-     * splats. cullComponents: otherwise no component counts as unseen. */
+     * splats. cullComponents: otherwise only components of hidden layers count as unseen. */
     PosedSet pose(std::span<const Drawn> what, std::span<LoadedSubject* const> subjects, const FrameViews& views,
                   const DetailOptions& detail, bool cullComponents);
 

@@ -51,6 +51,8 @@ struct Drawable final : PreparedSubject {
     DetailSubject detailSubject;
     SplatDetail detail;  // of the last draw
     Pose pose;           // of the last draw
+    uint64_t hiddenLayers = 0;
+    std::vector<Triangle> shownTriangles;  // those of layers that are not hidden, where some are
     PosedMesh mesh;
     bool posed = false;     // the joints of `mesh` follow `pose`
     bool surfaced = false;  // the surface of `mesh` follows `pose`; it is posed when a view first sees it
@@ -65,11 +67,6 @@ struct Drawable final : PreparedSubject {
                mesh.nodes().size_bytes();
     }
 };
-
-bool samePose(const Pose& a, const Pose& b) {
-    return a.localRotations.size() == b.localRotations.size() && a.rootTranslation == b.rootTranslation && a.before == b.before &&
-           std::equal(a.localRotations.begin(), a.localRotations.end(), b.localRotations.begin());
-}
 
 class SoftwareRenderer final : public Renderer {
 public:
@@ -134,6 +131,7 @@ public:
             together_.push_back(&d);
             if (!d.avatar) continue;
             setPose(d, *one.pose);
+            hideLayers(d, one.hiddenLayers);
             samples = std::max(samples, coverageSamples(d.trainedPixelM, rootPosition(d.avatar->joints, d.pose), seenBy.cameras()));
         }
         setDetails();
@@ -210,6 +208,27 @@ private:
         d.posed = true;
     }
 
+    static void hideLayers(Drawable& d, uint64_t layers) {
+        if (d.hiddenLayers == layers) return;
+        d.hiddenLayers = layers, d.surfaced = false;
+        d.shownTriangles.clear();
+        const MeshData& mesh = d.avatar->mesh;
+        for (size_t l = 0; l < mesh.layers.size() && layers != 0; ++l) {
+            const auto first = mesh.triangles.begin() + std::ptrdiff_t(mesh.layers[l].firstTriangle);
+            if (!isHidden(d, l))
+                d.shownTriangles.insert(d.shownTriangles.end(), first, first + std::ptrdiff_t(mesh.layers[l].triangleCount));
+        }
+    }
+    static bool isHidden(const Drawable& d, size_t layer) { return layer < 64 && (d.hiddenLayers >> layer & 1) != 0; }
+
+    void poseSurface(Drawable& d) {
+        d.mesh.surface(posedSubject(d), jobs_);
+        const std::vector<LayerData>& layers = d.avatar->mesh.layers;
+        for (size_t l = 0; l < layers.size(); ++l)
+            if (isHidden(d, l)) d.mesh.hideTriangles(layers[l].firstTriangle, layers[l].triangleCount);
+        d.surfaced = true;
+    }
+
     static PosedSubject posedSubject(const Drawable& d) {
         return {d.avatar->joints, d.avatar->mesh, d.avatar->correctives, {}, &d.avatar->light, d.normals};
     }
@@ -220,10 +239,11 @@ private:
             Drawable* d = together_[k];
             if (!d->avatar) continue;
             const uint32_t unseen = d->components.unseen(d->mesh.worldFromRest(), d->mesh.coefficients(), seenBy_[k].cameras(), d->kappaPx2,
-                                                         d->detailSubject.largestGrowth(d->detail.perM2), seenBy_[k].scale());
+                                                         d->detailSubject.largestGrowth(d->detail.perM2), seenBy_[k].scale()) |
+                                    d->components.ofLayers(d->hiddenLayers);
             d->componentsInView = d->components.count() - uint32_t(std::popcount(unseen));
             d->seen = d->componentsInView > 0 || d->components.count() == 0;
-            if (d->seen && !d->surfaced) d->mesh.surface(posedSubject(*d), jobs_), d->surfaced = true;
+            if (d->seen && !d->surfaced) poseSurface(*d);
         }
     }
 
@@ -262,7 +282,8 @@ private:
         for (size_t k = 0; k < together_.size(); ++k) {
             const Drawable* d = together_[k];
             if (!d->avatar || !d->seen) continue;
-            meshDepth_.draw(jobs_, d->mesh.positions(), d->avatar->mesh.triangles, seenBy_[k][v], first ? depthM : anotherDepthM_);
+            const std::vector<Triangle>& triangles = d->hiddenLayers != 0 ? d->shownTriangles : d->avatar->mesh.triangles;
+            meshDepth_.draw(jobs_, d->mesh.positions(), triangles, seenBy_[k][v], first ? depthM : anotherDepthM_);
             for (size_t i = 0; i < depthM.size() && !first; ++i)
                 if (const float z = anotherDepthM_[i]; z > 0 && (depthM[i] == 0 || z < depthM[i])) depthM[i] = z;
             first = false;

@@ -77,6 +77,7 @@ ComponentMap componentsOf(const AvatarData& avatar) {
     const std::vector<uint8_t> regions = regionsOf(avatar.joints);
     ComponentMap map;
     map.ofVertex.assign(mesh.restPositions.size(), 0);
+    map.ofLayer.assign(mesh.layers.size(), 0);
     std::map<std::pair<size_t, uint8_t>, uint32_t> numbers;
     for (size_t t = 0; t < mesh.triangles.size(); ++t) {
         const size_t layer = layerOf(mesh, t);
@@ -92,6 +93,7 @@ ComponentMap componentsOf(const AvatarData& avatar) {
         const auto [it, isNew] = numbers.try_emplace({layer, region}, std::min(map.count, kMaxComponents - 1));
         if (isNew && map.count < kMaxComponents) ++map.count;
         map.ofTriangle.push_back(uint8_t(it->second));
+        if (layer < mesh.layers.size()) map.ofLayer[layer] |= 1u << it->second;
         for (int corner = 0; corner < 3; ++corner) map.ofVertex[mesh.triangles[t][corner]] |= 1u << it->second;
     }
     for (uint32_t& bits : map.ofVertex)
@@ -101,6 +103,7 @@ ComponentMap componentsOf(const AvatarData& avatar) {
 
 Components::Components(const AvatarData& avatar, const ComponentMap& map, std::span<const TriangleReach> reach) {
     const MeshData& mesh = avatar.mesh;
+    ofLayer_ = map.ofLayer;
     if (!addsUp(mesh.jointWeights) || !addsUp(avatar.correctives.nodeWeights)) return;
     struct Growing {
         std::vector<Box> boxes;  // one a joint

@@ -26,6 +26,7 @@ constexpr uint32_t kMaxComponents = 32;  // of an avatar: one bit each; further 
 struct ComponentMap {
     uint32_t count = 0;
     std::vector<uint8_t> ofTriangle;  // one a triangle
+    std::vector<uint32_t> ofLayer;    // one a layer: bits of its components, of which the last may be shared with other layers
     std::vector<uint32_t> ofVertex;   // one a vertex: bits of the components whose triangles use it; all bits where none does
 };
 /** The avatar's mesh must have passed checkMesh. */
@@ -40,6 +41,13 @@ public:
     Components(const AvatarData& avatar, const ComponentMap& map, std::span<const TriangleReach> reach);
 
     uint32_t count() const { return uint32_t(components_.size()); }
+    /** The bits of the components of layers; layers: a bit each. */
+    uint32_t ofLayers(uint64_t layers) const {
+        uint32_t bits = 0;
+        for (size_t l = 0; l < ofLayer_.size() && l < 64; ++l)
+            if (layers >> l & 1) bits |= ofLayer_[l];
+        return bits;
+    }
     /** The bits of all components. */
     uint32_t all() const { return count() == kMaxComponents ? ~0u : (1u << count()) - 1; }
     /** Bits of the components of which no view can show a splat or a vertex. Conservative: a component that shows is never among them
@@ -76,6 +84,7 @@ private:
         double rootLevel = 0;  // TriangleReach
     };
     std::vector<Component> components_;
+    std::vector<uint32_t> ofLayer_;  // ComponentMap::ofLayer
 };
 
 }  // namespace dpl

@@ -121,6 +121,25 @@ static void callPoses(DplAvatar avatar, uint32_t joints) {
     CHECK(rotations[4 * found + 1] > read[4 * found + 1] + 0.1f);
 }
 
+static void callSurface(DplAvatar avatar) {
+    static uint8_t alpha[DPL_CONTACT_SHADOW_PX * DPL_CONTACT_SHADOW_PX];
+    DplContactShadow shadow = {0};
+    const float floorM = 1, above[3] = {0, 50, 0}, upwards[3] = {0, 1, 0};
+    DplLayerInfo layer = {0};
+    DplPick pick = {0};
+    shadow.structSize = sizeof shadow;
+    OK(dplGetContactShadow(avatar, &floorM, alpha, sizeof alpha, &shadow));
+    CHECK(fabsf(shadow.corner[1] - 1) < 1e-5f && shadow.across[0] >= 1 && shadow.along[2] == shadow.across[0] && alpha[0] == 0);
+    CHECK(dplGetContactShadow(avatar, &floorM, alpha, sizeof alpha - 1, &shadow) == DPL_ERROR_INVALID_ARGUMENT);
+    layer.structSize = sizeof layer, pick.structSize = sizeof pick, pick.hit = 7;
+    OK(dplGetLayerInfo(avatar, 0, &layer));
+    CHECK(strcmp(layer.role, "body") == 0 && layer.triangleCount > 0 && layer.hidden == DPL_FALSE);
+    CHECK(dplHideLayer(avatar, 0, DPL_TRUE) == DPL_ERROR_UNSUPPORTED && strstr(dplGetLastError(), "is the body") != NULL);
+    OK(dplHideLayer(avatar, 0, DPL_FALSE));
+    OK(dplPick(&avatar, 1, above, upwards, &pick));
+    CHECK(pick.hit == DPL_FALSE && pick.distanceM == 0);
+}
+
 static void callTracker(DplAvatar avatar) {
     float rotations[4 * 53] = {0}, positions[3 * 53] = {0}, confidence[53] = {0};
     DplTrackerInfo info = {0};
@@ -264,6 +283,7 @@ int main(int argc, char** argv) {
     if (failures == 0) {
         callDrawing(context, avatar, other);
         callPoses(avatar, about.jointCount);
+        callSurface(avatar);
         callTracker(avatar);
         callLoads(context, size);
         callConversions();

@@ -45,6 +45,9 @@ int main(void) {
         CHECK(sizeof(DplClipOptions) == 32 && offsetof(DplClipOptions, animation) == 16 && offsetof(DplClipOptions, animationName) == 24);
         CHECK(sizeof(DplClipLayer) == 40 && offsetof(DplClipLayer, timeS) == 8 && offsetof(DplClipLayer, shiftM) == 32);
         CHECK(sizeof(DplGaze) == 40 && offsetof(DplGaze, headWeight) == 16 && offsetof(DplGaze, eyeLimitRad) == 32);
+        CHECK(sizeof(DplContactShadow) == 44 && offsetof(DplContactShadow, along) == 32);
+        CHECK(sizeof(DplLayerInfo) == 32 && offsetof(DplLayerInfo, hidden) == 24);
+        CHECK(sizeof(DplPick) == 48 && offsetof(DplPick, distanceM) == 20 && offsetof(DplPick, normal) == 36);
         CHECK(sizeof(DplDetail) == 12);
         CHECK(sizeof(DplCaptureDetail) == 52 && offsetof(DplCaptureDetail, views) == 36);
         CHECK(sizeof(DplPoseTrust) == 24 && offsetof(DplPoseTrust, farthestJoint) == 16);

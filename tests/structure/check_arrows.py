@@ -12,6 +12,7 @@ SDK = {
     "sdk/avatar": ["sdk/core", "sdk/math", "sdk/format"],
     "sdk/motion": ["sdk/core", "sdk/math", "sdk/format", "sdk/avatar"],
     "sdk/visibility": ["sdk/core", "sdk/math", "sdk/format", "sdk/avatar"],
+    "sdk/surface": ["sdk/core", "sdk/math", "sdk/format", "sdk/avatar"],
     "sdk/draw": ["sdk/core", "sdk/math", "sdk/format", "sdk/avatar", "sdk/visibility"],
     "sdk/splat": ["sdk/core", "sdk/math", "sdk/format", "sdk/avatar", "sdk/visibility", "sdk/draw"],
     "sdk/backend": ["sdk/core", "shaders/shared"],

@@ -19,9 +19,9 @@
  * on. To draw in parallel, give each thread its own context. The text of dplGetLastError() belongs to the calling thread.
  *
  * Errors. A function returns DPL_OK or an error code, and writes its outputs only on DPL_OK. After an error, dplGetLastError() has a
- * sentence for a human. These mistakes give DPL_ERROR_INVALID_ARGUMENT and a line in the log: NULL where a pointer is needed, a
- * destroyed or foreign handle, a size that does not fit, a number that is not finite. Nothing aborts, and no C++ exception leaves
- * the library.
+ * sentence for a human. These mistakes give DPL_ERROR_INVALID_ARGUMENT, and a line in the log if a callback receives it: NULL where a
+ * pointer is needed, a destroyed or foreign handle, a size that does not fit, a number that is not finite. Nothing aborts, and no C++
+ * exception leaves the library.
  *
  * Versions. A program runs with every later library of the same major version, without being built again: functions, numbers of enums and
  * fields of structs stay and keep their meaning. What a later minor version adds is new functions, new numbers that a program must ask for,
@@ -116,7 +116,8 @@ typedef enum DplLogLevel {
  *  does: do not call Doppel from the callback. */
 typedef void (*DplLogCallback)(void* user, DplLogLevel level, const char* text);
 
-/** Sends the log of the whole process to `callback`. user is passed on to it. NULL restores the default: warnings and errors to stderr. */
+/** Sends the log of the whole process to `callback`. user is passed on to it. NULL restores the default: to stderr go the
+ *  warnings and errors that no call returns. What a call returns is only there, and in dplGetLastError(). */
 DPL_API DplResult dplSetLogCallback(DplLogCallback callback, void* user);
 
 /* ---------------------------------------------------------------- context */
@@ -825,4 +826,6 @@ DPL_API DplResult dplGetPassTime(DplAvatar avatar, uint32_t pass, DplPassTime* t
 #ifdef __cplusplus
 }
 #endif
+
+#include "doppel_surface.h"
 #endif

@@ -46,23 +46,20 @@ inline Status setLogCallback(DplLogCallback callback, void* user = nullptr) {
     return status(dplSetLogCallback(callback, user));
 }
 
-/** How Camera::lookAt aims; see dplCameraLookAt. What is left out is an error, but for up. */
+/** How Camera::lookAt aims; see dplCameraLookAt. Eye, target and size must be given. */
 struct LookAt {
     std::array<float, 3> eye{}, target{};  // metres, in the world
     std::array<float, 3> up{0, 1, 0};      // of any length; not parallel to the view direction
-    float fovYRad = 0;                     // vertical field of view
+    float fovYRad = 0.8f;                  // vertical field of view
     uint32_t widthPx = 0, heightPx = 0;
 };
 
 /** A DplCamera whose structSize is set. */
-struct Camera : DplCamera {
-    Camera() : DplCamera{} { structSize = sizeof(DplCamera); }
+struct Camera : Sized<DplCamera> {
     /** A camera at `how.eye` that looks at `how.target`. */
     static Result<Camera> lookAt(const LookAt& how) {
         return filled<Camera>(dplCameraLookAt, how.eye.data(), how.target.data(), how.up.data(), how.fovYRad, how.widthPx, how.heightPx);
     }
-    /** Functions that take views take a camera as one view. */
-    operator std::span<const DplCamera>() const { return {static_cast<const DplCamera*>(this), 1}; }
 };
 static_assert(sizeof(Camera) == sizeof(DplCamera));
 
@@ -105,14 +102,15 @@ public:
     /** The same, without cacheFolder. */
     static Result<Context> create(DplRenderer renderer = DPL_RENDERER_AUTO, uint32_t threadCount = 0, uint32_t flags = 0,
                                   DplFill fill = DPL_FILL_AUTO) {
-        DplContextInfo info{};
-        info.structSize = sizeof info;
+        ContextInfo info;
         info.renderer = renderer;
         info.threadCount = threadCount;
         info.flags = flags;
         info.fill = fill;
         return create(info);
     }
+    /** None: every call is DPL_ERROR_INVALID_ARGUMENT until a context is moved here. */
+    Context() = default;
     /** Takes ownership of `handle`. */
     explicit Context(DplContext handle) : handle_(handle) {}
     Context(Context&& other) noexcept : handle_(std::exchange(other.handle_, nullptr)) {}
@@ -162,13 +160,23 @@ public:
         return status(
             dplRenderTogether(handle_, avatars.data(), uint32_t(avatars.size()), views.data(), uint32_t(views.size()), images.data()));
     }
+    /** The same, `context.renderTogether({ada, bob}, camera, images)`. */
+    Status renderTogether(Avatars avatars, std::span<const DplCamera> views, std::span<const DplImage> images) const {
+        if (views.size() != images.size()) return Error{DPL_ERROR_INVALID_ARGUMENT, "as many images as views are needed"};
+        const Handles handles(avatars);
+        return status(dplRenderTogether(handle_, handles.data(), handles.count(), views.data(), uint32_t(views.size()), images.data()));
+    }
+    Status drawTogether(Avatars avatars, std::span<const DplCamera> views, uint32_t flags = 0) const {
+        const Handles handles(avatars);
+        return status(dplDrawTogether(handle_, handles.data(), handles.count(), views.data(), uint32_t(views.size()), flags));
+    }
     Status drawTogether(std::span<const DplAvatar> avatars, std::span<const DplCamera> views, uint32_t flags = 0) const {
         return status(dplDrawTogether(handle_, avatars.data(), uint32_t(avatars.size()), views.data(), uint32_t(views.size()), flags));
     }
     /** Sets level of detail and splat budget from the next call on; zeros draw everything. See DplDetail. */
     Status setDetail(float splatsPerPixel, uint32_t splatBudget = 0) const {
-        DplDetail detail{};
-        detail.structSize = sizeof detail, detail.splatsPerPixel = splatsPerPixel, detail.splatBudget = splatBudget;
+        Detail detail;
+        detail.splatsPerPixel = splatsPerPixel, detail.splatBudget = splatBudget;
         return status(dplSetDetail(handle_, &detail));
     }
     /** Sets how long a frame may take; 0: no budget. See dplSetFrameBudget. */

@@ -3,9 +3,14 @@
 #pragma once
 
 #include <array>
+#include <cmath>
 #include <cstdint>
+#include <functional>
+#include <initializer_list>
+#include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -73,9 +78,25 @@ inline DplClipLayer clipLayer(uint32_t clip, double timeS, float weight = 1, uin
     return layer;
 }
 
+/** The shadow by which feet stand on a floor, and where its picture lies; see DplContactShadow. */
+struct ContactShadow : DplContactShadow {
+    std::array<uint8_t, DPL_CONTACT_SHADOW_PX * DPL_CONTACT_SHADOW_PX> alpha{};
+    ContactShadow() : DplContactShadow{} { structSize = sizeof(DplContactShadow); }
+};
+
+/** That of an avatar. floorM: height of the app's floor, metres; nothing: where the avatar stands at rest. See dplGetContactShadow. */
+inline Result<ContactShadow> contactShadowOf(DplAvatar avatar, std::optional<float> floorM = {}) {
+    ContactShadow made;
+    const DplResult r = dplGetContactShadow(avatar, floorM ? &*floorM : nullptr, made.alpha.data(), made.alpha.size(), &made);
+    if (r != DPL_OK) return lastError(r);
+    return made;
+}
+
 /** Owns one avatar, which it destroys. Move-only: construction by move leaves the source empty, assignment by move swaps. */
 class Avatar {
 public:
+    /** None: every call is DPL_ERROR_INVALID_ARGUMENT until an avatar is moved here. */
+    Avatar() = default;
     /** Takes ownership of `handle`, which was loaded with `context`. The context is not owned. */
     Avatar(DplContext context, DplAvatar handle) : context_(context), handle_(handle) {}
     Avatar(Avatar&& other) noexcept : context_(other.context_), handle_(std::exchange(other.handle_, nullptr)) {}
@@ -96,9 +117,31 @@ public:
         if (const DplResult r = dplFindJoint(handle_, name.c_str(), &index); r != DPL_OK) return lastError(r);
         return index;
     }
+    Result<DplLayerInfo> layer(uint32_t index) const { return filled<DplLayerInfo>(dplGetLayerInfo, handle_, index); }
+    /** Hides a layer, or shows it again; see dplHideLayer, which says what can be hidden. */
+    Status hideLayer(uint32_t layer, bool hidden = true) { return status(dplHideLayer(handle_, layer, hidden ? DPL_TRUE : DPL_FALSE)); }
     Result<DplClipInfo> clip(uint32_t index) const { return filled<DplClipInfo>(dplGetClipInfo, handle_, index); }
+    /** The index of the first clip of that name. DPL_ERROR_NOT_FOUND: there is none; the text lists all. */
+    Result<uint32_t> findClip(std::string_view name) const {
+        const auto about = info();
+        if (!about) return about.error();
+        std::string names;
+        for (uint32_t i = 0; i < about->clipCount; ++i) {
+            const auto one = clip(i);
+            if (!one) return one.error();
+            if (name == one->name) return i;
+            names += (i == 0 ? "" : ", ") + std::string(one->name);
+        }
+        return Error{DPL_ERROR_NOT_FOUND, "there is no clip '" + std::string(name) + "'; the avatar has: " + names};
+    }
     /** Where it stands, until changed: a row-major 3×4 matrix of a rotation, one scale and a translation. See dplSetTransform. */
     Status setTransform(std::span<const float, 12> worldFromAvatar) { return status(dplSetTransform(handle_, worldFromAvatar.data())); }
+    /** The same, upright: at a place in metres, turned by yawRad about the vertical (a quarter turn takes +Z to +X), `scale` times as
+     * large. */
+    Status stand(const std::array<float, 3>& at, float yawRad = 0, float scale = 1) {
+        const float c = scale * std::cos(yawRad), s = scale * std::sin(yawRad);
+        return setTransform(std::array<float, 12>{c, 0, s, at[0], 0, scale, 0, at[1], -s, 0, c, at[2]});
+    }
     Result<std::array<float, 12>> transform() const {
         std::array<float, 12> worldFromAvatar{};
         if (const DplResult r = dplGetTransform(handle_, worldFromAvatar.data()); r != DPL_OK) return lastError(r);
@@ -137,6 +180,11 @@ public:
     /** timeS: seconds from the start of the clip; it wraps around if `loop`, else it is clamped. */
     Status setPoseFromClip(uint32_t clip, double timeS, bool loop = true) {
         return status(dplSetPoseFromClip(handle_, clip, timeS, loop ? DPL_TRUE : DPL_FALSE));
+    }
+    /** The same for the first clip of that name. */
+    Status setPoseFromClip(std::string_view name, double timeS, bool loop = true) {
+        const auto clip = findClip(name);
+        return clip ? setPoseFromClip(*clip, timeS, loop) : Status(clip.error());
     }
     /** Retargets a BVH or glTF motion onto this avatar. Returns the index of the new clip. */
     Result<uint32_t> loadClip(std::span<const uint8_t> bytes, const DplClipOptions* options = nullptr) {
@@ -186,6 +234,8 @@ public:
         if (const DplResult r = dplGetJointPositions(handle_, positions.data(), about->jointCount); r != DPL_OK) return lastError(r);
         return positions;
     }
+    /** The shadow by which its feet stand on a floor; see contactShadowOf. */
+    Result<ContactShadow> contactShadow(std::optional<float> floorM = {}) const { return contactShadowOf(handle_, floorM); }
     /** How finely the scan shows the surface of a joint; all 0 without a capture map. */
     Result<DplCaptureDetail> captureDetail(uint32_t joint) const { return filled<DplCaptureDetail>(dplGetCaptureDetail, handle_, joint); }
     /** How near a camera may come before it magnifies the scan's finest details more than so many times; metres, 0 without a capture map.
@@ -221,5 +271,30 @@ private:
     DplContext context_ = nullptr;
     DplAvatar handle_ = nullptr;
 };
+
+/** The avatars of a call for several, in their order. */
+using Avatars = std::initializer_list<std::reference_wrapper<const Avatar>>;
+
+/** Handles of Avatars. Behind DPL_MAX_TOGETHER they are not kept: the library refuses so many. */
+class Handles {
+public:
+    Handles(Avatars avatars) : count_(uint32_t(avatars.size())) {
+        size_t i = 0;
+        for (const Avatar& avatar : avatars)
+            if (i < all_.size()) all_[i++] = avatar.handle();
+    }
+    const DplAvatar* data() const { return all_.data(); }
+    uint32_t count() const { return count_; }
+
+private:
+    std::array<DplAvatar, DPL_MAX_TOGETHER> all_{};
+    uint32_t count_;
+};
+
+/** What a ray meets first of some avatars, `pick({ada, bob}, origin, direction)`; see dplPick. Metres, world. */
+inline Result<DplPick> pick(Avatars avatars, const std::array<float, 3>& origin, const std::array<float, 3>& direction) {
+    const Handles handles(avatars);
+    return filled<DplPick>(dplPick, handles.data(), handles.count(), origin.data(), direction.data());
+}
 
 }  // namespace doppel

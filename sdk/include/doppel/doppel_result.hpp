@@ -3,6 +3,7 @@
 #pragma once
 
 #include <optional>
+#include <span>
 #include <string>
 #include <utility>
 
@@ -60,6 +61,18 @@ inline Status status(DplResult result) {
     if (result == DPL_OK) return {};
     return lastError(result);
 }
+
+/** A struct of the C interface whose structSize is set, and all else 0. */
+template <class T>
+struct Sized : T {
+    Sized() : T{} { this->structSize = sizeof(T); }
+    /** Functions that take several take one. */
+    operator std::span<const T>() const { return {static_cast<const T*>(this), 1}; }
+};
+using ContextInfo = Sized<DplContextInfo>; /**< for the functions that take a DplContextInfo */
+using Image = Sized<DplImage>;             /**< for the functions that take a DplImage */
+using ClipOptions = Sized<DplClipOptions>; /**< for the functions that take a DplClipOptions */
+using Detail = Sized<DplDetail>;           /**< for the functions that take a DplDetail */
 
 /** Calls get(arguments..., &out) with a struct of type T whose structSize is set, and returns the struct. */
 template <class T, class Get, class... Arguments>

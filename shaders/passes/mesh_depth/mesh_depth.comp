@@ -27,6 +27,12 @@ vec3 corner(ViewData view, uint vertex) {
     return vec3(view.focalPx.x * p.x + view.centrePx.x * p.z, view.focalPx.y * p.y + view.centrePx.y * p.z, p.z);
 }
 
+/** Triangles of hidden layers are not posed. Other components always are where this pass runs. */
+bool isHidden(uint triangle) {
+    uint component = triangles[triangle].component;
+    return component != 0u && (frame.unseenComponents >> (component - 1u) & 1u) != 0u;
+}
+
 Corners cornersOf(uint triangle, uint view) {
     uvec3 index = uvec3(triangles[triangle].corner0, triangles[triangle].corner1, triangles[triangle].corner2);
     uint low = min(index.x, min(index.y, index.z)), high = max(index.x, max(index.y, index.z));
@@ -103,7 +109,8 @@ void main() {
     uint lane = gl_LocalInvocationIndex, triangle = gl_WorkGroupID.x * kVertexGroup + lane;
     if (lane == 0u) largeCount = 0u;
     barrier();
-    for (uint view = 0u; triangle < push.triangleCount && view < push.viewCount; ++view) {
+    bool drawn = triangle < push.triangleCount && !isHidden(min(triangle, push.triangleCount - 1u));
+    for (uint view = 0u; drawn && view < push.viewCount; ++view) {
         Corners t = cornersOf(triangle, view);
         ivec4 box = boxOf(t);
         if (uint(box.y - box.x) * uint(box.w - box.z) <= kMeshDepthOwnPixels) {

@@ -87,6 +87,12 @@ TEST_F(StructSize, outputs) {
                             [&](DplCaptureDetail* s) { return dplGetCaptureDetail(person_, 0, s); });
     check<DplFrameStats>("DplFrameStats", offsetof(DplFrameStats, avatarBytes), nothing<DplFrameStats>,
                          [&](DplFrameStats* s) { return dplGetFrameStats(person_, s); });
+    std::vector<uint8_t> alpha(DPL_CONTACT_SHADOW_PX * DPL_CONTACT_SHADOW_PX);
+    check<DplContactShadow>("DplContactShadow", nothing<DplContactShadow>,
+                            [&](DplContactShadow* s) { return dplGetContactShadow(person_, nullptr, alpha.data(), alpha.size(), s); });
+    check<DplLayerInfo>("DplLayerInfo", nothing<DplLayerInfo>, [&](DplLayerInfo* s) { return dplGetLayerInfo(person_, 0, s); });
+    const float origin[3] = {0, 1, 3}, direction[3] = {0, 0, -1};
+    check<DplPick>("DplPick", nothing<DplPick>, [&](DplPick* s) { return dplPick(&person_, 1, origin, direction, s); });
     DplTrackerInfo info{};
     info.structSize = sizeof info;
     DplTracker tracker = nullptr;
