@@ -120,7 +120,15 @@ platform::FrameContents Viewer::contents() {
     what.view = sdkCamera(camera.cast<float>());
     what.room = state_.room;
     if (const auto doppel = loader_ ? loader_->doppel() : std::nullopt) what.context = doppel->context, what.composer = doppel->composer;
-    for (const ViewedSubject& subject : state_.subjects) what.avatars.push_back(subject.avatar.handle());
+    for (const ViewedSubject& subject : state_.subjects) {
+        what.avatars.push_back(subject.avatar.handle());
+        if (!state_.room || !subject.isAvatar()) continue;
+        const auto shadow = subject.avatar.contactShadow();
+        if (shadow)
+            what.shadows.push_back(*shadow);
+        else
+            report(subject.file + ": " + shadow.error().message);
+    }
     return what;
 }
 

@@ -47,8 +47,10 @@ doppel::Status AvatarScene::begin(const xr::SessionImages& images) {
     DPL_SHELL_OK(makePasses());
     platform::RoomPlan plan;
     plan.posts.assign(std::begin(kPosts), std::end(kPosts));
-    DPL_SHELL_TRY(room_,
-                  platform::Room::create({runtime_.physicalDevice(), runtime_.device()}, {drawing_, 0, 1, images.multiview ? 3u : 0u}));
+    const platform::VulkanHandles device{runtime_.physicalDevice(), runtime_.device()};
+    const platform::RoomPass roomPass{drawing_, 0, 1, images.multiview ? 3u : 0u};
+    DPL_SHELL_TRY(room_, platform::Room::create(device, roomPass));
+    DPL_SHELL_TRY(shadows_, platform::FloorShadows::create(device, roomPass, 1));
     room_->build(plan);
     for (const xr::GroupImages& group : images.groups) DPL_SHELL_OK(makeFramebuffers(group));
     DplVulkanPass pass{};
@@ -89,7 +91,7 @@ void AvatarScene::end() {
     framebuffers_.clear(), passes_.clear();
     if (composer_) dplDestroyVulkanComposer(runtime_.context(), *composer_);
     composer_.reset();
-    room_.reset();
+    room_.reset(), shadows_.reset();
     vkDestroyRenderPass(device, drawing_, nullptr);
     vkDestroyRenderPass(device, composing_, nullptr);
     drawing_ = composing_ = VK_NULL_HANDLE;
@@ -164,9 +166,11 @@ void AvatarScene::drawRoom(VkCommandBuffer commands, const xr::GroupImages& imag
     begin.clearValueCount = 2;
     begin.pClearValues = clear;
     vkCmdBeginRenderPass(commands, &begin, VK_SUBPASS_CONTENTS_INLINE);
-    if (shown)
-        room_->record(commands, begin.renderArea.extent, group.cameras + (images_->multiview ? 0 : pass), images_->multiview ? 2 : 1,
-                      platform::RoomLight::Dark);
+    const DplCamera* views = group.cameras + (images_->multiview ? 0 : pass);
+    const uint32_t viewCount = images_->multiview ? 2 : 1;
+    if (shown) room_->record(commands, begin.renderArea.extent, views, viewCount, platform::RoomLight::Dark);
+    if (shown || images_->blend == xr::Blend::Alpha)  // on the real floor, too
+        shadows_->record(commands, begin.renderArea.extent, views, viewCount, group.slot);
     vkCmdEndRenderPass(commands);
 }
 
@@ -214,9 +218,15 @@ doppel::Status AvatarScene::poseAvatar(const xr::Frame& frame) {
 
 doppel::Status AvatarScene::draw(const xr::Frame& frame) {
     const VkCommandBuffer commands = frame.commands;
+    std::vector<doppel::ContactShadow> shadows;
     if (options_.withAvatar) DPL_SHELL_OK(poseAvatar(frame));
+    if (options_.withAvatar && !rest_.empty()) {
+        DPL_SHELL_TRY(const doppel::ContactShadow shadow, avatar_.contactShadow(0.0f));  // the floor of the stage space
+        shadows.push_back(shadow);
+    }
     for (uint32_t g = 0; g < frame.groupCount; ++g) {
         const xr::GroupFrame& group = frame.groups[g];
+        shadows_->set(group.slot, shadows);
         for (uint32_t p = 0; p < images_->groups[g].passes; ++p)
             drawRoom(commands, images_->groups[g], group, p, passes_[g][p].drawing[group.colourImage[p]][group.depthImage[p]]);
     }

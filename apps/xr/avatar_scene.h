@@ -8,6 +8,7 @@
 #include <memory>
 #include <optional>
 
+#include "platform/common/floor_shadow.h"
 #include "platform/common/room.h"
 #include "platform/openxr/puppet.h"
 #include "platform/openxr/runtime.h"
@@ -70,6 +71,7 @@ private:
     const xr::SessionImages* images_ = nullptr;
     VkRenderPass drawing_ = VK_NULL_HANDLE, composing_ = VK_NULL_HANDLE;
     std::unique_ptr<platform::Room> room_;
+    std::unique_ptr<platform::FloorShadows> shadows_;
     std::optional<uint32_t> composer_;
     std::vector<VkFramebuffer> framebuffers_;  // all
     std::vector<std::vector<Pass>> passes_;    // by group

@@ -1,40 +1,19 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "platform/common/room.h"
 
-#include <algorithm>
 #include <cstddef>
 #include <cstring>
 
+#include "platform/common/view_push.h"
 #include "room_frag.h"
 #include "room_vert.h"
 #include "room_vert_multiview.h"
 
 namespace dpl::platform {
-namespace {
-
-struct Push {
-    float clipFromWorld[2][16];  // column by column
-};
-static_assert(sizeof(Push) <= 128);  // what every device has
-
-/** clip = (2 fx/w x + (2 cx/w - 1) z, 2 fy/h y + (2 cy/h - 1) z, near, z) of view coordinates; Vulkan's y points down as the camera's. */
-void writeClipFromWorld(const DplCamera& view, float* columns) {
-    const float* v = view.viewFromWorld;
-    const float width = float(view.widthPx), height = float(view.heightPx);
-    const float sx = 2 * view.fx / width, ox = 2 * view.cx / width - 1, sy = 2 * view.fy / height, oy = 2 * view.cy / height - 1;
-    for (int c = 0; c < 4; ++c) {
-        columns[4 * c] = sx * v[c] + ox * v[8 + c];
-        columns[4 * c + 1] = sy * v[4 + c] + oy * v[8 + c];
-        columns[4 * c + 2] = c == 3 ? kRoomNearM : 0;
-        columns[4 * c + 3] = v[8 + c];
-    }
-}
-
-}  // namespace
 
 Result<std::unique_ptr<Room>> Room::create(const VulkanHandles& on, const RoomPass& pass) {
     std::unique_ptr<Room> made(new Room(on));
-    const VkPushConstantRange push{VK_SHADER_STAGE_VERTEX_BIT, 0, sizeof(Push)};
+    const VkPushConstantRange push{VK_SHADER_STAGE_VERTEX_BIT, 0, sizeof(ViewPush)};
     VkPipelineLayoutCreateInfo layout{VK_STRUCTURE_TYPE_PIPELINE_LAYOUT_CREATE_INFO};
     layout.pushConstantRangeCount = 1;
     layout.pPushConstantRanges = &push;
@@ -88,8 +67,7 @@ void Room::record(VkCommandBuffer commands, VkExtent2D extent, const DplCamera* 
     const VkRect2D scissor{{0, 0}, extent};
     vkCmdSetViewport(commands, 0, 1, &viewport);
     vkCmdSetScissor(commands, 0, 1, &scissor);
-    Push push{};
-    for (uint32_t v = 0; v < std::min(viewCount, 2u); ++v) writeClipFromWorld(views[v], push.clipFromWorld[v]);
+    const ViewPush push = viewPush(views, viewCount);
     vkCmdPushConstants(commands, layout_, VK_SHADER_STAGE_VERTEX_BIT, 0, sizeof push, &push);
     const VkDeviceSize start = 0;
     vkCmdBindVertexBuffers(commands, 0, 1, &vertices_.buffer, &start);

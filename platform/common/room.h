@@ -11,12 +11,10 @@
 #include <memory>
 
 #include "platform/common/room_mesh.h"
+#include "platform/common/view_push.h"
 #include "platform/common/vulkan_help.h"
 
 namespace dpl::platform {
-
-/** Stored depth = kRoomNearM / view z, 0 infinitely far: scale 0 and offset kRoomNearM of DplVulkanSceneDepth. */
-constexpr float kRoomNearM = 0.05f;
 
 /** The pass that the room is drawn in. Colour: RGBA16F or an SRGB format, cleared to anything, because the backdrop covers all that lies
  *  within 16 m. Depth: cleared to 0; a float format keeps what is far exact. */

@@ -130,10 +130,14 @@ Result<VkPipeline> makePipeline(VkDevice device, const TriangleDrawing& drawing)
     VkPipelineMultisampleStateCreateInfo samples{VK_STRUCTURE_TYPE_PIPELINE_MULTISAMPLE_STATE_CREATE_INFO};
     samples.rasterizationSamples = VkSampleCountFlagBits(drawing.samples);
     VkPipelineDepthStencilStateCreateInfo depth{VK_STRUCTURE_TYPE_PIPELINE_DEPTH_STENCIL_STATE_CREATE_INFO};
-    depth.depthTestEnable = depth.depthWriteEnable = drawing.depth.has_value();
+    depth.depthTestEnable = drawing.depth.has_value();
+    depth.depthWriteEnable = drawing.depth.has_value() && !drawing.over;
     depth.depthCompareOp = drawing.depth.value_or(VK_COMPARE_OP_NEVER);
     VkPipelineColorBlendAttachmentState write{};
     write.colorWriteMask = 0xF;
+    write.blendEnable = drawing.over;
+    write.srcColorBlendFactor = VK_BLEND_FACTOR_SRC_ALPHA, write.srcAlphaBlendFactor = VK_BLEND_FACTOR_ONE;
+    write.dstColorBlendFactor = write.dstAlphaBlendFactor = VK_BLEND_FACTOR_ONE_MINUS_SRC_ALPHA;
     VkPipelineColorBlendStateCreateInfo colour{VK_STRUCTURE_TYPE_PIPELINE_COLOR_BLEND_STATE_CREATE_INFO};
     colour.attachmentCount = 1;
     colour.pAttachments = &write;

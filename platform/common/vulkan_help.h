@@ -54,6 +54,7 @@ struct TriangleDrawing {
     VkPipelineVertexInputStateCreateInfo input{VK_STRUCTURE_TYPE_PIPELINE_VERTEX_INPUT_STATE_CREATE_INFO};  // none: no vertex buffer
     bool frontOnly = false;            // leaves out triangles that are clockwise in the image
     std::optional<VkCompareOp> depth;  // compares with stored depth; what passes is written. None: no depth
+    bool over = false;                 // blends by alpha over what is there, and writes no depth
 };
 Result<VkPipeline> makePipeline(VkDevice device, const TriangleDrawing& drawing);
 

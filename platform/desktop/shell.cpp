@@ -16,6 +16,7 @@ struct Shell::Parts {  // each needs those before it
     std::unique_ptr<Device> device;
     std::unique_ptr<Canvas> canvas;
     std::unique_ptr<Room> room;
+    std::unique_ptr<FloorShadows> shadows;
     std::unique_ptr<Gui> gui;
     std::unique_ptr<Swapchain> swapchain;
     std::unique_ptr<FrameSlots> slots;
@@ -41,7 +42,9 @@ Status Shell::makeParts(const ShellInfo& info) {
     DPL_SHELL_TRY(p.device, Device::create(presentation));
     done("Vulkan instance and device");
     DPL_SHELL_TRY(p.canvas, Canvas::create(*p.device));
-    DPL_SHELL_TRY(p.room, Room::create(p.device->handles(), {p.canvas->roomPass(), 0, kCanvasSamples, 0}));
+    const RoomPass roomPass{p.canvas->roomPass(), 0, kCanvasSamples, 0};
+    DPL_SHELL_TRY(p.room, Room::create(p.device->handles(), roomPass));
+    DPL_SHELL_TRY(p.shadows, FloorShadows::create(p.device->handles(), roomPass, kMaxStands));
     done("pipelines of the room");
     DPL_SHELL_TRY(p.gui, Gui::create(*p.window, *p.device, p.canvas->finishingPass(), DPL_VULKAN_SLOTS));
     done("font and pipeline of the panels");
@@ -97,7 +100,11 @@ Result<std::string> Shell::draw(const FrameContents& contents) {
     DPL_VK(vkBeginCommandBuffer(commands, &begin));
     const Canvas& canvas = *parts_->canvas;
     canvas.beginRoom(commands);
-    if (contents.room) parts_->room->record(commands, picturePx_, &contents.view, 1, *contents.room);
+    if (contents.room) {
+        parts_->room->record(commands, picturePx_, &contents.view, 1, *contents.room);
+        parts_->shadows->set(slotIndex, contents.shadows);
+        parts_->shadows->record(commands, picturePx_, &contents.view, 1, slotIndex);
+    }
     vkCmdEndRenderPass(commands);
 
     std::string problem;

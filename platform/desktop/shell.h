@@ -18,6 +18,7 @@
 #include <string>
 #include <vector>
 
+#include "platform/common/floor_shadow.h"
 #include "platform/common/room.h"
 
 namespace dpl::platform {
@@ -35,9 +36,10 @@ struct FrameContents {
     std::optional<RoomLight> room;  // nothing: black, and nothing is hidden
     DplContext context = nullptr;   // with what makeComposer returned for it; NULL: draw no avatars
     uint32_t composer = 0;
-    std::vector<DplAvatar> avatars;       // may be empty
-    bool panels = true;                   // draw what ImGui was told
-    std::vector<uint8_t>* rgb = nullptr;  // receives the picture, three bytes a pixel; costs a wait
+    std::vector<DplAvatar> avatars;              // may be empty
+    std::vector<doppel::ContactShadow> shadows;  // on the floor of the room; at most kMaxStands
+    bool panels = true;                          // draw what ImGui was told
+    std::vector<uint8_t>* rgb = nullptr;         // receives the picture, three bytes a pixel; costs a wait
 };
 
 class Shell {

@@ -123,5 +123,11 @@ final class Studio: ObservableObject, AvatarScene {
         return try Camera(pose: orbit.eye, fovYRad: Studio.fovYRad, widthPx: widthPx, heightPx: heightPx)
     }
 
+    /// By which it stands on the floor of the studio, or of the room.
+    func shadows(of avatars: [Avatar]) throws(DoppelError) -> [ContactShadow] {
+        guard let avatar = avatars.first, try avatar.info().jointCount > 0 else { return [] }
+        return [try avatar.contactShadow()]
+    }
+
     func problem(_ error: DoppelError) { message = error.message }
 }

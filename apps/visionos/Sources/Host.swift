@@ -71,5 +71,11 @@ final class Host: ImmersiveScene, @unchecked Sendable {  // the lock guards `sta
         return [avatar]
     }
 
+    /// By which it stands on the floor of the room.
+    func shadows(of avatars: [Avatar]) throws(DoppelError) -> [ContactShadow] {
+        guard let avatar = avatars.first, try avatar.info().jointCount > 0 else { return [] }
+        return [try avatar.contactShadow()]
+    }
+
     func problem(_ error: DoppelError) { lock.withLock { state.message = error.message } }
 }

@@ -2,6 +2,7 @@
 // Native methods of avatars: what they are, how they stand, what they cost.
 #include <algorithm>
 
+#include "platform/android/native/jni_camera.h"
 #include "platform/android/native/jni_help.h"
 
 namespace dpl::android {
@@ -16,6 +17,14 @@ std::optional<DplAvatarInfo> infoOf(JNIEnv* env, jlong avatar) {
     DplAvatarInfo info{};
     info.structSize = sizeof info;
     if (!check(env, dplGetAvatarInfo(avatarOf(avatar), &info))) return std::nullopt;
+    return info;
+}
+
+/** The same of a layer. */
+std::optional<DplLayerInfo> layerOf(JNIEnv* env, jlong avatar, uint32_t layer) {
+    DplLayerInfo info{};
+    info.structSize = sizeof info;
+    if (!check(env, dplGetLayerInfo(avatarOf(avatar), layer, &info))) return std::nullopt;
     return info;
 }
 
@@ -110,14 +119,19 @@ void settle(JNIEnv* env, jclass, jlong avatar) {
     check(env, dplSettle(avatarOf(avatar)));
 }
 
+/** Null, and an exception: out of memory. */
+jbyteArray bytesToJava(JNIEnv* env, const std::vector<uint8_t>& bytes) {
+    jbyteArray made = env->NewByteArray(jsize(bytes.size()));
+    if (made) env->SetByteArrayRegion(made, 0, jsize(bytes.size()), reinterpret_cast<const jbyte*>(bytes.data()));
+    return made;
+}
+
 jbyteArray motionState(JNIEnv* env, jclass, jlong avatar) {
     size_t size = 0;
     if (!check(env, dplGetMotionState(avatarOf(avatar), nullptr, 0, &size))) return nullptr;
     std::vector<uint8_t> state(size);
     if (!check(env, dplGetMotionState(avatarOf(avatar), state.data(), state.size(), &size))) return nullptr;
-    jbyteArray made = env->NewByteArray(jsize(size));
-    if (made) env->SetByteArrayRegion(made, 0, jsize(size), reinterpret_cast<const jbyte*>(state.data()));
-    return made;
+    return bytesToJava(env, state);
 }
 
 void setMotionState(JNIEnv* env, jclass, jlong avatar, jbyteArray state) {
@@ -242,6 +256,59 @@ void lookAtPoint(JNIEnv* env, jclass, jlong avatar, jfloatArray gaze) {
     check(env, dplLookAtPoint(avatarOf(avatar), &made));
 }
 
+/** Alpha, row by row. onFloor: on the app's floor at floorM. place: corner, across, along, and the largest alpha. */
+jbyteArray contactShadow(JNIEnv* env, jclass, jlong avatar, jboolean onFloor, jfloat floorM, jfloatArray place) {
+    std::vector<uint8_t> alpha(size_t(DPL_CONTACT_SHADOW_PX) * DPL_CONTACT_SHADOW_PX);
+    DplContactShadow made{};
+    made.structSize = sizeof made;
+    if (!check(env, dplGetContactShadow(avatarOf(avatar), onFloor ? &floorM : nullptr, alpha.data(), alpha.size(), &made))) return nullptr;
+    std::vector<float> numbers(made.corner, made.corner + 3);
+    numbers.insert(numbers.end(), made.across, made.across + 3);
+    numbers.insert(numbers.end(), made.along, made.along + 3);
+    numbers.push_back(float(made.darkest));
+    write(env, place, numbers);
+    return bytesToJava(env, alpha);
+}
+
+/** Name, then role, of each layer. */
+jobjectArray layerNames(JNIEnv* env, jclass, jlong avatar) {
+    const auto info = infoOf(env, avatar);
+    if (!info) return nullptr;
+    std::vector<std::string> names;
+    for (uint32_t l = 0; l < info->layerCount; ++l) {
+        const auto layer = layerOf(env, avatar, l);
+        if (!layer) return nullptr;
+        names.insert(names.end(), {layer->name, layer->role});
+    }
+    return textsOf(env, names);
+}
+
+jboolean isLayerHidden(JNIEnv* env, jclass, jlong avatar, jint layer) {
+    const auto told = layerOf(env, avatar, uint32_t(layer));
+    return told && told->hidden != DPL_FALSE ? JNI_TRUE : JNI_FALSE;
+}
+
+void hideLayer(JNIEnv* env, jclass, jlong avatar, jint layer, jboolean hidden) {
+    check(env, dplHideLayer(avatarOf(avatar), uint32_t(layer), hidden ? DPL_TRUE : DPL_FALSE));
+}
+
+/** ray: origin, direction. Whether it meets one; then indices: avatar, layer, joint; place: distance, point, normal. */
+jboolean pick(JNIEnv* env, jclass, jlongArray avatars, jfloatArray ray, jintArray indices, jfloatArray place) {
+    const std::vector<float> numbers = floatsOf(env, ray);
+    if (numbers.size() != 6) return throwDoppel(env, DPL_ERROR_INVALID_ARGUMENT, "a ray has 6 numbers"), JNI_FALSE;
+    const std::vector<DplAvatar> handles = avatarsOf(env, avatars);
+    DplPick found{};
+    found.structSize = sizeof found;
+    if (!check(env, dplPick(handles.data(), uint32_t(handles.size()), numbers.data(), numbers.data() + 3, &found))) return JNI_FALSE;
+    const jint which[] = {jint(found.avatar), jint(found.layer), jint(found.joint)};
+    env->SetIntArrayRegion(indices, 0, std::min<jsize>(3, env->GetArrayLength(indices)), which);
+    std::vector<float> where{found.distanceM};
+    where.insert(where.end(), found.point, found.point + 3);
+    where.insert(where.end(), found.normal, found.normal + 3);
+    write(env, place, where);
+    return found.hit != DPL_FALSE ? JNI_TRUE : JNI_FALSE;
+}
+
 /** trust: the shares and distances of DplPoseTrust, with the farthest joint as a number. distances: one for each joint, or null. */
 void poseTrust(JNIEnv* env, jclass, jlong avatar, jfloatArray trust, jfloatArray distances) {
     std::vector<float> values(distances ? size_t(env->GetArrayLength(distances)) : 0);
@@ -294,6 +361,11 @@ const std::vector<JNINativeMethod> kAvatarMethods = {
     method("setPoseFromClips", "(J[DJ)V", setPoseFromClips),
     method("joinClipLayer", "(J[D[D)V", joinClipLayer),
     method("lookAtPoint", "(J[F)V", lookAtPoint),
+    method("contactShadow", "(JZF[F)[B", contactShadow),
+    method("layerNames", "(J)[Ljava/lang/String;", layerNames),
+    method("isLayerHidden", "(JI)Z", isLayerHidden),
+    method("hideLayer", "(JIZ)V", hideLayer),
+    method("pick", "([J[F[I[F)Z", pick),
     method("poseTrust", "(J[F[F)V", poseTrust),
     method("holdPose", "(JF)V", holdPose),
     method("frameStats", "(J[J[D)V", frameStats),

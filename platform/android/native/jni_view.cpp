@@ -83,13 +83,13 @@ void setWindow(JNIEnv* env, jclass, jlong view, jobject surface, jint width, jin
 }
 
 jint drawView(JNIEnv* env, jclass, jlong view, jlongArray avatars, jfloatArray camera, jobject sceneDepth, jfloat red, jfloat green,
-              jfloat blue) {
+              jfloat blue, jboolean shadows) {
     const auto found = views().find(env, view);
     if (!found) return 0;
     std::optional<DplCamera> seen = cameraOf(env, camera);
     if (!seen || !addSceneDepth(env, sceneDepth, *seen)) return 0;
     const std::vector<DplAvatar> handles = avatarsOf(env, avatars);
-    const auto drawn = found->draw({handles, *seen, {red, green, blue}});
+    const auto drawn = found->draw({handles, *seen, {red, green, blue}, shadows == JNI_TRUE});
     if (drawn) return jint(*drawn);
     throwDoppel(env, drawn.error().code, drawn.error().message);
     return 0;
@@ -108,7 +108,7 @@ const std::vector<JNINativeMethod> kViewMethods = {
     method("destroyView", "(J)V", destroyView),
     method("viewContext", "(J)J", viewContext),
     method("setWindow", "(JLjava/lang/Object;II)V", setWindow),
-    method("drawView", "(J[J[FLjava/nio/FloatBuffer;FFF)I", drawView),
+    method("drawView", "(J[J[FLjava/nio/FloatBuffer;FFFZ)I", drawView),
     method("viewComplaints", "(J)[Ljava/lang/String;", viewComplaints),
 };
 

@@ -7,6 +7,8 @@
 
 namespace dpl::android {
 
+constexpr uint32_t kMostShadows = 4;  // of one picture
+
 doppel::Result<std::unique_ptr<Screen>> Screen::create(platform::Device& device, DplContext context, VkSurfaceKHR surface) {
     std::unique_ptr<Screen> made(new Screen(device, context));
     DPL_SHELL_TRY(made->swapchain_, platform::Swapchain::create(device, surface, VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT));
@@ -29,6 +31,7 @@ void Screen::destroyImages() {
 
 void Screen::destroyPass() {
     if (passFormat_ != VK_FORMAT_UNDEFINED) dplDestroyVulkanComposer(context_, composer_);
+    shadows_.reset();
     vkDestroyRenderPass(device_.device(), pass_, nullptr);
     pass_ = VK_NULL_HANDLE, passFormat_ = VK_FORMAT_UNDEFINED;
 }
@@ -58,6 +61,7 @@ doppel::Status Screen::makePass(VkFormat format) {
     info.dependencyCount = 1;
     info.pDependencies = &before;
     DPL_VK_MAKE(pass_, vkCreateRenderPass, device_.device(), info);
+    DPL_SHELL_TRY(shadows_, platform::FloorShadows::create(device_.handles(), {pass_, 0, 1, 0}, kMostShadows, false));
     DplVulkanPass pass{};
     pass.structSize = sizeof pass;
     pass.renderPass = pass_;
@@ -118,6 +122,20 @@ doppel::Result<DrawnFrame> Screen::draw(VkExtent2D windowPx, const FrameRequest&
     return drawn;
 }
 
+doppel::Status Screen::setShadows(uint32_t slotIndex, const FrameRequest& request) {
+    std::vector<doppel::ContactShadow> shadows;
+    for (DplAvatar avatar : request.avatars) {
+        if (!request.shadows || shadows.size() == kMostShadows) break;
+        const auto info = doppel::filled<DplAvatarInfo>(dplGetAvatarInfo, avatar);
+        if (!info) return info.error();
+        if (info->jointCount == 0) continue;  // general splats
+        DPL_SHELL_TRY(const doppel::ContactShadow shadow, doppel::contactShadowOf(avatar));
+        shadows.push_back(shadow);
+    }
+    shadows_->set(slotIndex, shadows);
+    return {};
+}
+
 doppel::Status Screen::record(uint32_t slotIndex, uint32_t image, const FrameRequest& request, doppel::Status& avatars) {
     const VkCommandBuffer commands = slots_->all[slotIndex].commands;
     VkCommandBufferBeginInfo begin{VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO};
@@ -126,11 +144,12 @@ doppel::Status Screen::record(uint32_t slotIndex, uint32_t image, const FrameReq
     // The camera is of the window, and the images may lie turned by a quarter in it.
     VkExtent2D upright = swapchain_->size();
     if (isQuarterTurn(swapchain_->transform())) std::swap(upright.width, upright.height);
+    const DplCamera turned = rotatedView(fittedView(request.camera, upright), swapchain_->transform());
     bool prepared = false;
     if (request.avatars.empty()) {
         avatars = doppel::status(dplVulkanUpload(context_, commands, slotIndex));
     } else {
-        DplCamera camera = rotatedView(fittedView(request.camera, upright), swapchain_->transform());
+        DplCamera camera = turned;
         if (const DplCamera& asked = request.camera; asked.sceneDepthM) {
             const size_t pixels = size_t(asked.widthPx) * asked.heightPx;
             if (pixels == 0 || asked.sceneDepthCount < pixels)
@@ -141,6 +160,8 @@ doppel::Status Screen::record(uint32_t slotIndex, uint32_t image, const FrameReq
         }
         avatars = doppel::status(
             dplVulkanPrepare(context_, commands, slotIndex, request.avatars.data(), uint32_t(request.avatars.size()), &camera, 1, nullptr));
+        prepared = bool(avatars);
+        if (prepared) avatars = setShadows(slotIndex, request);
         prepared = bool(avatars);
     }
     VkClearValue clear{};
@@ -153,6 +174,7 @@ doppel::Status Screen::record(uint32_t slotIndex, uint32_t image, const FrameReq
     pass.clearValueCount = 1;
     pass.pClearValues = &clear;
     vkCmdBeginRenderPass(commands, &pass, VK_SUBPASS_CONTENTS_INLINE);
+    if (prepared) shadows_->record(commands, swapchain_->size(), &turned, 1, slotIndex);
     if (prepared) avatars = doppel::status(dplVulkanCompose(context_, composer_, commands, slotIndex, 0, 0, 0));
     vkCmdEndRenderPass(commands);
     DPL_VK(vkEndCommandBuffer(commands));

@@ -4,6 +4,7 @@
 #pragma once
 
 #include "platform/android/native/surface_renderer.h"
+#include "platform/common/floor_shadow.h"
 #include "platform/common/frame_slots.h"
 #include "platform/common/swapchain.h"
 
@@ -34,6 +35,7 @@ private:
     void destroyPass();
     void destroyImages();
     /** An error ends the screen; one of `avatars` does not. */
+    doppel::Status setShadows(uint32_t slotIndex, const FrameRequest& request);
     doppel::Status record(uint32_t slotIndex, uint32_t image, const FrameRequest& request, doppel::Status& avatars);
 
     platform::Device& device_;
@@ -44,6 +46,7 @@ private:
     VkFormat passFormat_ = VK_FORMAT_UNDEFINED;
     VkRenderPass pass_ = VK_NULL_HANDLE;
     uint32_t composer_ = 0;
+    std::unique_ptr<platform::FloorShadows> shadows_;  // of pass_
     std::vector<VkImageView> views_;
     std::vector<float> sceneDepth_;  // of the app's scene, turned as the images are
     std::vector<VkFramebuffer> framebuffers_;

@@ -42,6 +42,7 @@ struct FrameRequest {
     std::span<const DplAvatar> avatars;  // may be empty
     DplCamera camera{};                  // of the window's size, or nearly: another size is fitted
     float background[3] = {0, 0, 0};     // display-referred, 0 to 1
+    bool shadows = false;                // contact shadows of the avatars, over the background
 };
 
 class SurfaceRenderer {

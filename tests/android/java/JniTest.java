@@ -103,6 +103,19 @@ final class JniTest {
         expectError(DoppelException.INVALID_ARGUMENT, "12 numbers", "too few numbers", () -> Native.setTransform(avatar, new float[9]));
         expectError(DoppelException.INVALID_ARGUMENT, "mirrors", "a mirror",
                 () -> Native.setTransform(avatar, new float[] {-1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0}));
+        float[] place = new float[10];
+        byte[] alpha = Native.contactShadow(avatar, true, 3.8f, place);
+        expect(alpha.length == 64 * 64 && Math.abs(place[1] - 3.8f) < 1e-5f && Math.abs(place[5]) >= 2, "a shadow lies on the floor");
+        expectError(DoppelException.INVALID_ARGUMENT, "the floor is at", "no floor",
+                () -> Native.contactShadow(avatar, true, Float.NaN, place));
+        expect(Arrays.equals(Native.layerNames(avatar), new String[] {"body", "body"}) && !Native.isLayerHidden(avatar, 0), "layers");
+        expectError(DoppelException.UNSUPPORTED, "is the body", "hiding the body", () -> Native.hideLayer(avatar, 0, true));
+        expectError(DoppelException.NOT_FOUND, "no layer 3", "no such layer", () -> Native.isLayerHidden(avatar, 3));
+        int[] indices = {9, 9, 9};
+        boolean met = Native.pick(new long[] {avatar}, new float[] {0, positions[1], 0, 0, 0, -1}, indices, place);
+        expect(!met || indices[0] == 0, "a ray meets this avatar or none");
+        expectError(DoppelException.INVALID_ARGUMENT, "direction is 0", "a ray to nowhere",
+                () -> Native.pick(new long[] {avatar}, new float[6], indices, place));
         Native.setPoseAtTime(avatar, rotations, null, 5_000_000_000L);
         Native.getPose(avatar, back, root);
         expect(Arrays.equals(root, new float[3]), "a pose with a time is a pose");
@@ -200,7 +213,7 @@ final class JniTest {
         expectError(invalid, "", "a number that is no handle", () -> Native.avatarName(0x1234567890L));
         expectError(invalid, "", "no handle", () -> Native.avatarName(0));
         expectError(invalid, "no such view", "a view that was never made",
-                () -> Native.drawView(7, new long[0], Checks.CAMERA, null, 0, 0, 0));
+                () -> Native.drawView(7, new long[0], Checks.CAMERA, null, 0, 0, 0, false));
         expectError(invalid, "no such view", "the context of no view", () -> Native.viewContext(-1));
         expectError(invalid, "", "a load that was never started", () -> Native.finishLoad(99));
         long other = Native.createContext(SOFTWARE, 1, QUADS, null);

@@ -57,7 +57,7 @@ final class WindowTest {
     }
 
     private int draw() {
-        return Native.drawView(view, new long[] {avatar}, Checks.CAMERA, null, 0, 0, BLUE);
+        return Native.drawView(view, new long[] {avatar}, Checks.CAMERA, null, 0, 0, BLUE, false);
     }
 
     private void show(FakeWindow window) {
@@ -137,7 +137,7 @@ final class WindowTest {
             show(window);
             draw();
             byte[] whole = window.shown();
-            Native.drawView(view, new long[] {avatar}, Checks.CAMERA, wall, 0, 0, BLUE);
+            Native.drawView(view, new long[] {avatar}, Checks.CAMERA, wall, 0, 0, BLUE, false);
             byte[] hidden = window.shown();
             boolean right = Checks.redPixels(whole) > 500;
             for (int y = 0; y < Checks.HEIGHT; y++) {
@@ -149,9 +149,9 @@ final class WindowTest {
             }
             expect(right, "a wall of the app's scene hides what lies behind it, and nothing else; display " + transform);
             expectError(DoppelException.INVALID_ARGUMENT, "sceneDepth", "a depth that is too small",
-                    () -> Native.drawView(view, new long[] {avatar}, Checks.CAMERA, floats(7), 0, 0, BLUE));
+                    () -> Native.drawView(view, new long[] {avatar}, Checks.CAMERA, floats(7), 0, 0, BLUE, false));
             expectError(DoppelException.INVALID_ARGUMENT, "FloatBuffer", "a depth on the heap",
-                    () -> Native.drawView(view, new long[] {avatar}, Checks.CAMERA, FloatBuffer.allocate(96 * 128), 0, 0, BLUE));
+                    () -> Native.drawView(view, new long[] {avatar}, Checks.CAMERA, FloatBuffer.allocate(96 * 128), 0, 0, BLUE, false));
             expect(draw() == SHOWN, "and the next frame is drawn");
             end(window, "a window with a scene's depth");
         }
@@ -240,7 +240,7 @@ final class WindowTest {
         FakeWindow again = new FakeWindow(Checks.WIDTH, Checks.HEIGHT);
         show(again);
         boolean ended = Checks.waitUntil(() -> {
-            Native.drawView(view, new long[0], Checks.CAMERA, null, 0, 0, BLUE);
+            Native.drawView(view, new long[0], Checks.CAMERA, null, 0, 0, BLUE, false);
             Native.loadStatus(load, status);
             return status[0] >= 3;
         });
@@ -278,7 +278,7 @@ final class WindowTest {
         window.close();
         int invalid = DoppelException.INVALID_ARGUMENT;
         expectError(invalid, "closed", "a frame of a closed view",
-                () -> Native.drawView(closed, new long[0], Checks.CAMERA, null, 0, 0, 0));
+                () -> Native.drawView(closed, new long[0], Checks.CAMERA, null, 0, 0, 0, false));
         expectError(invalid, "closed", "a window for a closed view", () -> Native.setWindow(closed, null, 0, 0));
         expectError(invalid, "closed", "a view that is closed twice", () -> Native.destroyView(closed));
         Native.destroyView(0);

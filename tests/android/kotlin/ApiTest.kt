@@ -64,6 +64,47 @@ private class ApiTest(private val work: Path) {
                 avatar.transform = half
                 expect(avatar.transform.contentEquals(half), "a transform comes back")
                 expect(abs(avatar.jointPositions()[2] - 8f) < 1e-6f, "and the joints stand where it puts them")
+                val shadow = avatar.contactShadow()
+                expect(shadow.alpha.size == 4096 && shadow.darkest == 0 && abs(shadow.corner[1]) < 1e-6f, "feet in the air cast no shadow")
+                val turned = kotlin.math.sqrt(0.5f)
+                avatar.setPose(floatArrayOf(turned, 0f, 0f, turned, 0f, 0f, 0f, 1f)) // the square lies at a height of 1, and of half in the world
+                expect(avatar.contactShadow(0.5f).darkest > 200, "what lies on the floor does")
+            }
+        }
+    }
+
+    fun layersRaysAndPlayers() {
+        DoppelContext.create(Renderer.SOFTWARE, 1).use { context ->
+            context.loadAvatar(file).use { avatar ->
+                expect(avatar.layers.map { it.role } == listOf("body") && !avatar.isHidden(avatar.layers[0]), "layers are told")
+                expectError(DoppelException.UNSUPPORTED, "is the body", "the body") { avatar.hide(avatar.layers[0]) }
+                val pick = Avatar.pick(listOf(avatar), floatArrayOf(0.1f, 1f, 5f), floatArrayOf(0f, 0f, -2f))
+                expect(pick != null && pick.avatar === avatar && abs(pick.distanceM - 5f) < 1e-5f && pick.normal[2] == 1f, "a ray meets it")
+                expect(Avatar.pick(listOf(avatar), floatArrayOf(0.1f, 1f, 5f), floatArrayOf(0f, 0f, 1f)) == null, "but not behind it")
+                val clip = avatar.clips[0]
+                val player = Player()
+                expect(player.layers(0).isEmpty(), "nothing plays")
+                player.play(avatar, clip, 1_000_000_000L)
+                player.play(avatar, clip, 2_000_000_000L, Playback(speed = 2.0, fadeS = 1.0, fromS = 0.25))
+                val half = player.layers(2_500_000_000L)
+                expect(half.map { it.weight } == listOf(0.5f, 0.5f), "two clips cross-fade")
+                expect(abs(half[0].timeS - 1.25) < 1e-9 && abs(half[1].timeS - 1.5) < 1e-9, "each at its own time")
+                avatar.setPose(half, 2_500_000_000L)
+                player.pause(2_500_000_000L)
+                expect(player.layers(9_000_000_000L).map { it.timeS } == half.map { it.timeS } && player.isPaused, "a pause stops both")
+                player.resume(9_000_000_000L)
+                expect(player.layers(10_000_000_000L).map { it.weight } == listOf(1f), "then one is left")
+                player.setSpeed(0.0, 10_000_000_000L)
+                expect(abs(player.layers(11_000_000_000L)[0].timeS - 3.25) < 1e-9, "and stands")
+                expectError(DoppelException.INVALID_ARGUMENT, "nothing plays beneath", "a stop of the body") { player.stop(0) }
+                expectError(DoppelException.INVALID_ARGUMENT, "must be finite", "a fade into the past") {
+                    player.play(avatar, clip, 0, Playback(fadeS = -1.0))
+                }
+                val arm = Player(1)
+                arm.play(avatar, clip, 0, Playback(fadeS = 0.0))
+                arm.stop(1_000_000_000L, 1.0)
+                expect(arm.layers(1_500_000_000L).map { it.weight } == listOf(0.5f), "an arm fades out")
+                expect(arm.layers(2_000_000_000L).isEmpty(), "to nothing")
             }
         }
     }
@@ -391,6 +432,7 @@ fun main(arguments: Array<String>) {
     test.frameEqualsTheCApi(Renderer.SOFTWARE, "software.rgba")
     test.frameEqualsTheCApi(Renderer.VULKAN, "vulkan.rgba")
     test.avatarIsDescribed()
+    test.layersRaysAndPlayers()
     test.aTrackerPosesAnAvatar()
     test.clipsAreMixedAndAHeadTurns()
     test.twoViewsWithDepth()

@@ -70,6 +70,9 @@ extension DplClipLayer: Sized {}
 extension DplClipOptions: Sized {}
 extension DplGaze: Sized {}
 extension DplPoseTrust: Sized {}
+extension DplContactShadow: Sized {}
+extension DplLayerInfo: Sized {}
+extension DplPick: Sized {}
 extension DplLoadInfo: Sized {}
 extension DplLoadStatus: Sized {}
 extension DplCamera: Sized {}

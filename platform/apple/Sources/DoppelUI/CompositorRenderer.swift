@@ -13,8 +13,14 @@
         /// Poses avatars for a picture that is shown at displayTimeS (the clock of CACurrentMediaTime), and names those to draw. Where they
         /// stand in the room is their `Avatar.setTransform`.
         func avatars(displayTimeS: Double) -> [Avatar]
+        /// The shadows on the floor of this picture, such as `contactShadow()` of the avatars. None, unless a scene says otherwise.
+        func shadows(of avatars: [Avatar]) throws(DoppelError) -> [ContactShadow]
         /// A frame could not be drawn and is shown empty. Called once for each new text.
         func problem(_ error: DoppelError)
+    }
+
+    extension ImmersiveScene {
+        public func shadows(of avatars: [Avatar]) throws(DoppelError) -> [ContactShadow] { [] }
     }
 
     /// The layer that CompositorRenderer draws into: no foveation, because Doppel's pictures have pixels of one size; both eyes as layers
@@ -108,11 +114,15 @@
         ) throws(DoppelError) {
             let frame: MetalFrame?
             let depths: [Camera.StoredDepth]
+            let cameras: [Camera]
+            let shadows: [ContactShadow]
             do {
                 for pass in passes { try stage.make(pass.kind) }
                 let seen = try views(of: drawable, originFromHead)
                 depths = seen.map(\.depth)
-                frame = try stage.begin(avatars, from: seen.map(\.camera), nowS: CACurrentMediaTime(), waitS: 0.1)
+                cameras = seen.map(\.camera)
+                shadows = try scene.shadows(of: avatars)
+                frame = try stage.begin(avatars, from: cameras, nowS: CACurrentMediaTime(), waitS: 0.1)
             } catch {
                 presentEmpty(drawable, passes)
                 throw error
@@ -125,6 +135,8 @@
             for pass in passes {
                 guard let encoder = frame.commands.makeRenderCommandEncoder(descriptor: pass.descriptor) else { continue }
                 defer { encoder.endEncoding() }
+                let seen = pass.kind.layers > 0 ? cameras : [cameras[pass.view]]
+                try stage.drawShadows(shadows, from: seen, into: encoder, pass: pass.kind, x: pass.x, y: pass.y)
                 try stage.compose(frame, into: encoder, pass: pass.kind, view: pass.view, x: pass.x, y: pass.y, depth: depths[pass.view])
             }
         }

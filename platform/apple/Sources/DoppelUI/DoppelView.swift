@@ -17,8 +17,14 @@
         func avatars(displayTimeS: Double) -> [Avatar]
         /// The camera of a view of this size.
         func camera(widthPx: Int, heightPx: Int) throws(DoppelError) -> Camera
+        /// The shadows on the floor of this picture, such as `contactShadow()` of the avatars. None, unless a scene says otherwise.
+        func shadows(of avatars: [Avatar]) throws(DoppelError) -> [ContactShadow]
         /// A frame could not be drawn; the next one is tried. Called once for each new text.
         func problem(_ error: DoppelError)
+    }
+
+    extension AvatarScene {
+        public func shadows(of avatars: [Avatar]) throws(DoppelError) -> [ContactShadow] { [] }
     }
 
     /// Draws avatars in a view on iOS and macOS. Nothing is drawn in the background; loads wait meanwhile.
@@ -100,6 +106,7 @@
             let avatars = avatarScene.avatars(displayTimeS: nowS + 1 / Double(max(preferredFramesPerSecond, 1)))
             shown = avatars.first
             let camera = try avatarScene.camera(widthPx: width, heightPx: height)
+            let shadows = try avatarScene.shadows(of: avatars)
             guard let frame = try stage.begin(avatars, from: [camera], nowS: nowS) else { return }
             // From here on the frame is committed whatever happens, so that its slot comes back.
             guard let descriptor = currentRenderPassDescriptor, let drawable = currentDrawable,
@@ -109,6 +116,7 @@
                 encoder.endEncoding()
                 stage.commit(frame, presenting: drawable)
             }
+            try stage.drawShadows(shadows, from: [camera], into: encoder, pass: pass)
             try stage.compose(frame, into: encoder, pass: pass)
         }
 

@@ -13,6 +13,7 @@
         private let slots = FrameSlots()
         private var loss = DeviceLoss()
         private var composers: [MetalPass: UInt32] = [:]
+        private let shadows = FloorShadows()
 
         /// device: nil for that of the system. cacheFolder: as for `DoppelContext`.
         public init(device given: (any MTLDevice)? = nil, cacheFolder: String? = nil) throws(DoppelError) {
@@ -115,6 +116,15 @@
             try check(dplMetalCompose(context.raw, composer, pointer(encoder), frame.slot, view, x, y))
             guard let depth else { return }
             try check(dplMetalComposeDepth(context.raw, composer, pointer(encoder), frame.slot, view, x, y, depth.scale, depth.offset))
+        }
+
+        /// Draws contact shadows into a pass, before `compose`. cameras: of the pass's view; with layers of all views. x, y: as for
+        /// `compose`. Throws `.unsupported` where Metal does not compile the shader.
+        public func drawShadows(
+            _ given: [ContactShadow], from cameras: [Camera], into encoder: any MTLRenderCommandEncoder, pass: MetalPass, x: Int = 0,
+            y: Int = 0
+        ) throws(DoppelError) {
+            try shadows.draw(given, from: cameras, on: device, into: encoder, pass: pass, x: x, y: y)
         }
 
         /// Commits the frame; its slot is free once the GPU has run it.

@@ -103,6 +103,21 @@ final class RenderTests: XCTestCase {
         XCTAssertThrowsError(try avatar.setTransform(RigidPose(), scale: 0)) {
             XCTAssertEqual(($0 as? DoppelError)?.code, .invalidArgument)
         }
+        let shadow = try avatar.contactShadow(floorM: 10)
+        XCTAssertEqual(shadow.alpha.count, 64 * 64)
+        XCTAssertEqual(shadow.corner.y, 10, accuracy: 1e-5)
+        XCTAssertEqual(try avatar.contactShadow().darkest, 0)
+        XCTAssertThrowsError(try avatar.contactShadow(floorM: .nan)) {
+            XCTAssertEqual(($0 as? DoppelError)?.code, .invalidArgument)
+        }
+        XCTAssertEqual(try avatar.layer(0).role, "body")
+        XCTAssertThrowsError(try avatar.hide(layer: 0)) { XCTAssertEqual(($0 as? DoppelError)?.code, .unsupported) }
+        try avatar.setTransform(RigidPose())
+        try avatar.setPose(Avatar.Pose(rotations: [SIMD4(0, 0, 0, 1), SIMD4(0, 0, 0, 1)]))
+        let pick = try Avatar.pick([avatar], origin: SIMD3(0.1, 1, 5), direction: SIMD3(0, 0, -2))
+        XCTAssertEqual(pick?.distanceM ?? 0, 5, accuracy: 1e-5)
+        XCTAssertEqual(pick?.normal.z ?? 0, 1, accuracy: 1e-5)
+        XCTAssertNil(try Avatar.pick([avatar], origin: SIMD3(0.1, 1, 5), direction: SIMD3(0, 0, 1)))
         try avatar.setPose(pose, timeNs: 1_000_000_000)
         let remembered = try avatar.motionState()
         try avatar.settle()
@@ -112,6 +127,34 @@ final class RenderTests: XCTestCase {
         XCTAssertEqual(try avatar.pose().root.y, 0.25, accuracy: 1e-4)
         try avatar.setPose(clip: 0, timeS: 9, loop: false)
         XCTAssertEqual(try avatar.pose().root.y, 0.5, accuracy: 1e-4)
+    }
+
+    func testAPlayerFadesPausesAndForgets() throws {
+        let context = try DoppelContext(renderer: .software)
+        let avatar = try context.loadAvatar(TestAvatar.bytes)
+        var player = Player()
+        XCTAssertTrue(player.layers(nowNs: 0).isEmpty)
+        try player.play(0, of: avatar, nowNs: 1_000_000_000)
+        try player.play(0, of: avatar, nowNs: 2_000_000_000, Playback(speed: 2, fadeS: 1, fromS: 0.25))
+        let half = player.layers(nowNs: 2_500_000_000)
+        XCTAssertEqual(half.map(\.weight), [0.5, 0.5])
+        XCTAssertEqual(half[0].timeS, 1.25, accuracy: 1e-9)
+        XCTAssertEqual(half[1].timeS, 1.5, accuracy: 1e-9)
+        try avatar.setPose(layers: half, timeNs: 2_500_000_000)
+        player.pause(nowNs: 2_500_000_000)
+        XCTAssertEqual(player.layers(nowNs: 9_000_000_000), half)
+        player.resume(nowNs: 9_000_000_000)
+        XCTAssertEqual(player.layers(nowNs: 10_000_000_000).map(\.weight), [1])
+        try player.setSpeed(0, nowNs: 10_000_000_000)
+        XCTAssertEqual(player.layers(nowNs: 11_000_000_000)[0].timeS, 3.25, accuracy: 1e-9)
+        XCTAssertThrowsError(try player.stop(nowNs: 0)) { XCTAssertEqual(($0 as? DoppelError)?.code, .invalidArgument) }
+        XCTAssertThrowsError(try player.play(7, of: avatar, nowNs: 0)) { XCTAssertEqual(($0 as? DoppelError)?.code, .notFound) }
+        XCTAssertThrowsError(try player.play(0, of: avatar, nowNs: 0, Playback(fadeS: -1)))
+        var arm = Player(joint: 1)
+        try arm.play(0, of: avatar, nowNs: 0, Playback(fadeS: 0))
+        try arm.stop(nowNs: 1_000_000_000, fadeS: 1)
+        XCTAssertEqual(arm.layers(nowNs: 1_500_000_000).map(\.weight), [0.5])
+        XCTAssertTrue(arm.layers(nowNs: 2_000_000_000).isEmpty)
     }
 
     func testClipsAreMixedJoinedAndRefused() throws {

@@ -8,7 +8,22 @@ import Metal
 import MetalDouble
 
 final class FakeEncoder: MTLRenderCommandEncoder {
+    /// Instances and bytes of each draw.
+    var draws: [[Int]] = []
+    private var bytes = 0
     func endEncoding() {}
+    func setRenderPipelineState(_ pipelineState: any MTLRenderPipelineState) {}
+    func setViewport(_ viewport: MTLViewport) {}
+    func setVertexBytes(_ bytes: UnsafeRawPointer, length: Int, index: Int) { self.bytes = length }
+    func setFragmentBytes(_ bytes: UnsafeRawPointer, length: Int, index: Int) {}
+    func setFragmentBuffer(_ buffer: (any MTLBuffer)?, offset: Int, index: Int) {}
+    func drawPrimitives(type primitiveType: MTLPrimitiveType, vertexStart: Int, vertexCount: Int, instanceCount: Int) {
+        draws.append([vertexCount, instanceCount, bytes])
+    }
+}
+
+final class Fake: MTLLibrary, MTLFunction, MTLRenderPipelineState, MTLBuffer {
+    func makeFunction(name functionName: String) -> (any MTLFunction)? { self }
 }
 
 final class FakeCommands: MTLCommandBuffer {
@@ -28,7 +43,16 @@ final class FakeQueue: MTLCommandQueue, @unchecked Sendable {
 
 final class FakeDevice: MTLDevice, @unchecked Sendable {
     let name = "a double"
-    var queues = 0
+    var queues = 0, libraries = 0, pipelines = 0
+    func makeLibrary(source: String, options: MTLCompileOptions?) throws -> any MTLLibrary {
+        libraries += 1
+        return Fake()
+    }
+    func makeRenderPipelineState(descriptor: MTLRenderPipelineDescriptor) throws -> any MTLRenderPipelineState {
+        pipelines += 1
+        return Fake()
+    }
+    func makeBuffer(bytes pointer: UnsafeRawPointer, length: Int, options: MTLResourceOptions) -> (any MTLBuffer)? { Fake() }
     func makeCommandQueue() -> (any MTLCommandQueue)? {
         queues += 1
         return FakeQueue()
@@ -120,6 +144,21 @@ expect(code { _ = try draw([avatar], nowS: 11) } == .device, "still lost")
 expect(calls() == "prepare 0; drop 0; rebuild 0; composer 81; ", "rebuilt")
 expect(try draw([avatar], nowS: 11), "drawn")
 expect(calls().hasPrefix("prepare 1; compose"), "by the new device")
+
+// Shadows: a pipeline for each kind of pass, a draw for each shadow that is not empty, and one instance a layer.
+let turned = Float(0.5).squareRoot()
+try avatar.setPose(Avatar.Pose(rotations: [SIMD4(turned, 0, 0, turned), SIMD4(0, 0, 0, 1)]))  // the square lies at a height of 1 m
+let air = try avatar.contactShadow(), floor = try avatar.contactShadow(floorM: 1)
+expect(air.darkest == 0 && floor.darkest > 200, "what lies on the floor casts a shadow, and nothing else")
+let painted = FakeEncoder()
+try stage.drawShadows([air], from: [camera], into: painted, pass: pass)
+expect(painted.draws.isEmpty && device.pipelines == 0, "an empty shadow costs nothing")
+try stage.drawShadows([floor, air, floor], from: [camera], into: painted, pass: pass)
+let layered = MetalPass(colour: .bgra8Unorm_srgb, depth: .depth32Float, layers: 2)
+try stage.drawShadows([floor], from: [camera, camera], into: painted, pass: layered)
+try stage.drawShadows([floor], from: [camera], into: painted, pass: pass)
+expect(painted.draws == [[6, 1, 192], [6, 1, 192], [6, 2, 192], [6, 1, 192]], "\(painted.draws)")
+expect(device.libraries == 1 && device.pipelines == 2, "compiled once")
 
 // A format that cannot be drawn into.
 doubleFail("composer", -5, 1)

@@ -4,6 +4,55 @@
 public protocol MTLDevice: AnyObject, Sendable {
     var name: String { get }
     func makeCommandQueue() -> (any MTLCommandQueue)?
+    func makeLibrary(source: String, options: MTLCompileOptions?) throws -> any MTLLibrary
+    func makeRenderPipelineState(descriptor: MTLRenderPipelineDescriptor) throws -> any MTLRenderPipelineState
+    func makeBuffer(bytes pointer: UnsafeRawPointer, length: Int, options: MTLResourceOptions) -> (any MTLBuffer)?
+}
+
+open class MTLCompileOptions { public init() {} }
+public protocol MTLFunction: AnyObject {}
+public protocol MTLLibrary: AnyObject {
+    func makeFunction(name functionName: String) -> (any MTLFunction)?
+}
+public protocol MTLRenderPipelineState: AnyObject {}
+public protocol MTLBuffer: AnyObject {}
+public struct MTLResourceOptions: OptionSet, Sendable {
+    public let rawValue: UInt
+    public init(rawValue: UInt) { self.rawValue = rawValue }
+}
+public enum MTLPrimitiveType: UInt, Sendable { case point, line, lineStrip, triangle, triangleStrip }
+public enum MTLPrimitiveTopologyClass: UInt, Sendable { case unspecified, point, line, triangle }
+public enum MTLBlendFactor: UInt, Sendable {
+    case zero = 0
+    case one = 1
+    case sourceAlpha = 4
+    case oneMinusSourceAlpha = 5
+}
+
+public final class MTLRenderPipelineColorAttachmentDescriptor {
+    public init() {}
+    public var pixelFormat = MTLPixelFormat.invalid
+    public var isBlendingEnabled = false
+    public var sourceRGBBlendFactor = MTLBlendFactor.one
+    public var destinationRGBBlendFactor = MTLBlendFactor.zero
+    public var sourceAlphaBlendFactor = MTLBlendFactor.one
+    public var destinationAlphaBlendFactor = MTLBlendFactor.zero
+}
+
+public final class MTLRenderPipelineColorAttachmentDescriptorArray {
+    private let first = MTLRenderPipelineColorAttachmentDescriptor()
+    public init() {}
+    public subscript(attachmentIndex: Int) -> MTLRenderPipelineColorAttachmentDescriptor! { get { first } set {} }
+}
+
+public final class MTLRenderPipelineDescriptor {
+    public init() {}
+    public var vertexFunction: (any MTLFunction)?
+    public var fragmentFunction: (any MTLFunction)?
+    public var rasterSampleCount = 1
+    public var inputPrimitiveTopology = MTLPrimitiveTopologyClass.unspecified
+    public var depthAttachmentPixelFormat = MTLPixelFormat.invalid
+    public let colorAttachments: MTLRenderPipelineColorAttachmentDescriptorArray! = MTLRenderPipelineColorAttachmentDescriptorArray()
 }
 
 public func MTLCreateSystemDefaultDevice() -> (any MTLDevice)? { fatalError() }
@@ -25,7 +74,14 @@ public protocol MTLCommandEncoder: AnyObject {
     func endEncoding()
 }
 
-public protocol MTLRenderCommandEncoder: MTLCommandEncoder {}
+public protocol MTLRenderCommandEncoder: MTLCommandEncoder {
+    func setRenderPipelineState(_ pipelineState: any MTLRenderPipelineState)
+    func setViewport(_ viewport: MTLViewport)
+    func setVertexBytes(_ bytes: UnsafeRawPointer, length: Int, index: Int)
+    func setFragmentBytes(_ bytes: UnsafeRawPointer, length: Int, index: Int)
+    func setFragmentBuffer(_ buffer: (any MTLBuffer)?, offset: Int, index: Int)
+    func drawPrimitives(type primitiveType: MTLPrimitiveType, vertexStart: Int, vertexCount: Int, instanceCount: Int)
+}
 
 public enum MTLPixelFormat: UInt, Sendable {
     case invalid = 0
@@ -48,6 +104,9 @@ public struct MTLClearColor: Sendable {
 
 public struct MTLViewport: Sendable {
     public var originX, originY, width, height, znear, zfar: Double
+    public init(originX: Double, originY: Double, width: Double, height: Double, znear: Double, zfar: Double) {
+        (self.originX, self.originY, self.width, self.height, self.znear, self.zfar) = (originX, originY, width, height, znear, zfar)
+    }
 }
 
 public enum MTLLoadAction: UInt, Sendable { case dontCare, load, clear }

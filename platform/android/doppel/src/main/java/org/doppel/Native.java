@@ -55,6 +55,11 @@ final class Native {
     static native void setPoseFromClips(long avatar, double[] layers, long timeNs);
     static native void joinClipLayer(long avatar, double[] before, double[] layer);
     static native void lookAtPoint(long avatar, float[] gaze);
+    static native byte[] contactShadow(long avatar, boolean onFloor, float floorM, float[] place);
+    static native String[] layerNames(long avatar);
+    static native boolean isLayerHidden(long avatar, int layer);
+    static native void hideLayer(long avatar, int layer, boolean hidden);
+    static native boolean pick(long[] avatars, float[] ray, int[] indices, float[] place);
     static native void poseTrust(long avatar, float[] trust, float[] distances);
     static native void holdPose(long avatar, float limit);
     static native void frameStats(long avatar, long[] counts, double[] times);
@@ -75,6 +80,6 @@ final class Native {
     static native long viewContext(long view);
     static native void setWindow(long view, Object surface, int width, int height);
     static native int drawView(long view, long[] avatars, float[] camera, FloatBuffer sceneDepth, float red, float green,
-            float blue);
+            float blue, boolean shadows);
     static native String[] viewComplaints(long view);
 }

@@ -77,6 +77,21 @@ class Avatar internal constructor(number: Long) : Closeable {
             return List(counts[5].toInt()) { Clip(it, Native.clipName(number, it), Native.clipDuration(number, it)) }
         }
 
+    val layers: List<Layer>
+        get() {
+            val names = Native.layerNames(number)
+            return List(names.size / 2) { Layer(it, names[2 * it], names[2 * it + 1]) }
+        }
+
+    fun isHidden(layer: Layer): Boolean = Native.isLayerHidden(number, layer.index)
+
+    /**
+     * Hides a layer, or shows it again. UNSUPPORTED, with a sentence: no splats lie below it, as below most clothes of a scan. See
+     * dplHideLayer.
+     */
+    @JvmOverloads
+    fun hide(layer: Layer, hidden: Boolean = true) = Native.hideLayer(number, layer.index, hidden)
+
     /** By name, or by VRM humanoid bone. */
     fun findJoint(name: String): Int = Native.findJoint(number, name)
 
@@ -146,6 +161,16 @@ class Avatar internal constructor(number: Long) : Closeable {
             (eyeLimitRad ?: FloatArray(2)))
 
     /**
+     * The shadow by which the feet stand on a floor. [floorM]: height of the app's floor, metres; null: where the avatar stands at rest.
+     * See dplGetContactShadow.
+     */
+    @JvmOverloads
+    fun contactShadow(floorM: Float? = null): ContactShadow {
+        val place = FloatArray(10)
+        return ContactShadow(Native.contactShadow(number, floorM != null, floorM ?: 0f, place), place)
+    }
+
+    /**
      * A tracker that poses this avatar. flags: such as [BodyTracker.RAW]. rest: the platform's neutral pose, as [BodyTracker.track] takes
      * frames; null where the format needs none.
      */
@@ -172,6 +197,30 @@ class Avatar internal constructor(number: Long) : Closeable {
     }
 
     override fun close() = handle.close()
+
+    companion object {
+        /**
+         * What a ray meets first of some avatars; null: nothing. origin: metres, world; direction: of any length above 0. See dplPick.
+         */
+        @JvmStatic
+        fun pick(avatars: List<Avatar>, origin: FloatArray, direction: FloatArray): Pick? {
+            val indices = IntArray(3)
+            val place = FloatArray(7)
+            val hit = Native.pick(DoppelContext.numbersOf(avatars), origin + direction, indices, place)
+            return if (hit) Pick(avatars[indices[0]], indices[1], indices[2], place) else null
+        }
+    }
+}
+
+/** A part of an avatar: its body, a garment, its hair. [role]: "body", "garment" or "hair". */
+class Layer internal constructor(val index: Int, val name: String, val role: String)
+
+/** DplPick. [layer] and [joint] are indices into those of [avatar]. */
+class Pick internal constructor(val avatar: Avatar, val layer: Int, val joint: Int, place: FloatArray) {
+    /** Metres of the world; the normal is on the side that the ray comes from. */
+    val distanceM = place[0]
+    val point = place.copyOfRange(1, 4)
+    val normal = place.copyOfRange(4, 7)
 }
 
 /**
@@ -194,6 +243,23 @@ class ClipLayer @JvmOverloads constructor(
         val flags = (if (loop) 1 else 0) + (if (travel) 2 else 0)
         return doubleArrayOf(clip.index.toDouble(), timeS, weight.toDouble(), joint.toDouble(), flags.toDouble(), headingRad.toDouble(),
             shiftM[0].toDouble(), shiftM[1].toDouble())
+    }
+}
+
+/**
+ * DplContactShadow. [alpha]: row by row, [SIDE_PX] bytes a row, 255 is black. The picture reaches from [corner] along [across], its rows,
+ * and along [along], its columns; metres of the world.
+ */
+class ContactShadow internal constructor(val alpha: ByteArray, place: FloatArray) {
+    val corner = place.copyOfRange(0, 3)
+    val across = place.copyOfRange(3, 6)
+    val along = place.copyOfRange(6, 9)
+
+    /** The largest alpha; 0: nothing is near the floor. */
+    val darkest = place[9].toInt()
+
+    companion object {
+        const val SIDE_PX = 64
     }
 }
 

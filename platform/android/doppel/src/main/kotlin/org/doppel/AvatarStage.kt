@@ -21,6 +21,10 @@ class AvatarStage(private val renderer: ViewRenderer) : Closeable {
 
     val orbit = OrbitCamera()
     var background = floatArrayOf(0.1f, 0.11f, 0.13f)
+
+    /** Whether the avatar's contact shadow is drawn over the background. */
+    @Volatile
+    var shadows = true
     @Volatile
     var listener: Listener = object : Listener {}
 
@@ -87,7 +91,7 @@ class AvatarStage(private val renderer: ViewRenderer) : Closeable {
         val avatar = shown
         try {
             pose(avatar, frameTimeNs)
-            renderer.draw(listOfNotNull(avatar), orbit.camera(widthPx, heightPx), background)
+            renderer.draw(listOfNotNull(avatar), orbit.camera(widthPx, heightPx), background, shadows)
         } catch (error: DoppelException) {
             broken = true // a frame that fails would fail 60 times a second
             listener.onError(error)

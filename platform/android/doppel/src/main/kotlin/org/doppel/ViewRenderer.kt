@@ -20,12 +20,15 @@ class ViewRenderer private constructor(number: Long) : Closeable {
     /** surface: an android.view.Surface; null: no window any more. Size of its pixels. */
     fun setWindow(surface: Any?, widthPx: Int, heightPx: Int) = Native.setWindow(handle.number, surface, widthPx, heightPx)
 
-    /** Draws and shows a frame. [background]: red, green and blue, 0 to 1. Throws if the avatars could not be drawn; the next frame may. */
-    fun draw(avatars: List<Avatar>, camera: Camera, background: FloatArray = BLACK): Outcome {
+    /**
+     * Draws and shows a frame. [background]: red, green and blue, 0 to 1. [shadows]: with the contact shadows of the first four
+     * avatars over the background. Throws if the avatars could not be drawn; the next frame may.
+     */
+    fun draw(avatars: List<Avatar>, camera: Camera, background: FloatArray = BLACK, shadows: Boolean = false): Outcome {
         require(background.size == 3) { "a background has 3 numbers, not ${background.size}" }
         val drawn = Native.drawView(
             handle.number, DoppelContext.numbersOf(avatars), camera.numbers(), camera.sceneDepth,
-            background[0], background[1], background[2]
+            background[0], background[1], background[2], shadows
         )
         return Outcome.values()[drawn]
     }
