@@ -40,6 +40,7 @@ final class WindowTest {
         test.pictureIsThatOfTheCApi();
         test.turnedDisplayShowsTheSamePicture();
         test.theScenesDepthHidesTheAvatar();
+        test.aShadowDarkensTheBackground();
         test.windowChangesItsSize();
         test.surfaceLostInMidFrame();
         test.windowGoesAndComes();
@@ -125,6 +126,40 @@ final class WindowTest {
         expect(draw() == SHOWN && window.shownWidth() == Checks.WIDTH, "a phone that is turned gets other images");
         expect(agreement(window.shown(), false) > LEAST_PSNR_DB, "which show the same");
         end(window, "a turned window");
+    }
+
+    /** The square lies on its floor. Beside its wide splats the background is darker at the corners, on displays of both kinds. */
+    private void aShadowDarkensTheBackground() {
+        float turned = (float) Math.sqrt(0.5);
+        float[] before = new float[8];
+        float[] root = new float[3];
+        Native.getPose(avatar, before, root);
+        Native.setPose(avatar, new float[] {-turned, 0, 0, turned, 0, 0, 0, 1}, new float[] {0, -1, 0});
+        Native.setTransform(avatar, new float[] {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, -1.5f});
+        for (int transform : new int[] {FakeWindow.UPRIGHT, FakeWindow.QUARTER_TURN}) {
+            FakeWindow window = new FakeWindow(Checks.WIDTH, Checks.HEIGHT);
+            window.set("transform", transform);
+            show(window);
+            expect(drawOnBright(false) == SHOWN, "a person without a shadow");
+            byte[] without = window.shown();
+            expect(drawOnBright(true) == SHOWN, "and with one");
+            byte[] with = window.shown();
+            int darker = 0;
+            int lighter = 0;
+            for (int i = 2; i < with.length; i += 4) {
+                int change = (with[i] & 0xff) - (without[i] & 0xff);
+                if (change < -4) darker++;
+                if (change > 1) lighter++;
+            }
+            expect(darker > 5 && lighter == 0, "it darkens what lies around the feet: " + darker + " pixels");
+            end(window, "a window with a shadow");
+        }
+        Native.setPose(avatar, before, root);
+        Native.setTransform(avatar, new float[] {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0});
+    }
+
+    private int drawOnBright(boolean shadows) {
+        return Native.drawView(view, new long[] {avatar}, Checks.CAMERA, null, 0, 0, 0.8f, shadows);
     }
 
     /** A wall before the upper half of the view, on a display that turns images and on one that does not. */
