@@ -5,10 +5,12 @@
     release_test.py ROOT LIBDOPPEL [DOPPEL-WITH-GPL-PARTS]
 """
 import hashlib
+import io
 import json
 import pathlib
 import subprocess
 import sys
+import tarfile
 import tempfile
 import unittest
 
@@ -24,15 +26,17 @@ class Release(unittest.TestCase):
         folder = tempfile.TemporaryDirectory()
         self.addCleanup(folder.cleanup)
         self.folder = pathlib.Path(folder.name)
-        for name in ("doppel-tools_1.0.0~rc.1-1~deb12_amd64.deb", "doppel-1-linux-x86_64.tar.gz", "sample-built-in.glb"):
+        for name in ("doppel-tools_1.0.0~rc.1-1~deb12_amd64.deb", "sample-built-in.glb"):
             (self.folder / name).write_text(name)
-        self.contents = self.folder.parent / (self.folder.name + ".contents")
-        self.contents.write_text("CONTAINS libtbb12 2021.8.0-2 Apache-2.0\n")
-        self.addCleanup(self.contents.unlink)
+        with tarfile.open(self.folder / "doppel-1-linux-x86_64.tar.gz", "w:gz") as tar:
+            text = b"CONTAINS libtbb12 2021.8.0-2 Apache-2.0\n"
+            member = tarfile.TarInfo("doppel/licences/contents.txt")
+            member.size = len(text)
+            tar.addfile(member, io.BytesIO(text))
         notices.version_of = lambda package: "1"  # packages need not be installed where tests run
 
     def document(self):
-        return sbom.document(self.folder, "1", 1_700_000_000, {"doppel-1-linux-x86_64.tar.gz": str(self.contents)})
+        return sbom.document(self.folder, "1", 1_700_000_000)
 
     def test_names_every_file_with_its_sum(self):
         sums, bill = self.document()

@@ -2,10 +2,11 @@
 # SPDX-License-Identifier: Apache-2.0
 """Makes an installation relocatable: copies what its programs load beside them, except what every Linux has or must choose itself.
 
-    bundle.py PREFIX CONTENTS     PREFIX: an installation with bin and lib; CONTENTS: list to write, one library a line
+    bundle.py PREFIX     PREFIX: an installation with bin and lib
 
 Libraries of libdoppel and the viewer go to lib/doppel, the others of `doppel` to lib/doppel/tool. Programs find them by a run path relative
-to themselves, which libraries that they load inherit (DT_RPATH). Each library's copyright file goes to licences/PACKAGE. Needs patchelf.
+to themselves, which libraries that they load inherit (DT_RPATH). Each library's copyright file goes to licences/PACKAGE, and licences/contents.txt lists
+them, which the bill of materials reads. Needs patchelf.
 """
 import importlib.machinery
 import importlib.util
@@ -55,10 +56,10 @@ def take(found, folder, unwanted, taken):
 
 
 def main():
-    if len(sys.argv) != 3 or sys.argv[1].startswith("-"):
+    if len(sys.argv) != 2 or sys.argv[1].startswith("-"):
         print(__doc__, file=sys.stderr)
         return 2
-    prefix, contents = pathlib.Path(sys.argv[1]), pathlib.Path(sys.argv[2])
+    prefix = pathlib.Path(sys.argv[1])
     library = next(f for f in sorted((prefix / "lib").glob("libdoppel.so.*")) if not f.is_symlink())
     programs = sorted((prefix / "bin").iterdir())
     taken = {}
@@ -84,7 +85,7 @@ def main():
         folder = prefix / "licences" / package
         folder.mkdir(parents=True, exist_ok=True)
         shutil.copyfile(f"/usr/share/doc/{package}/copyright", folder / "copyright")
-    contents.write_text("\n".join(sorted(set(lines))) + "\n")
+    (prefix / "licences/contents.txt").write_text("\n".join(sorted(set(lines))) + "\n")
     print(f"{len(taken)} libraries beside the programs of {prefix.name}")
     return 0
 

@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """The bill of materials of a release, SPDX 2.3 as JSON, and SHA256SUMS.
 
-    sbom.py FOLDER VERSION EPOCH [FILE=CONTENTS ...]     FOLDER holds what is released. CONTENTS of a file: the list that bundle.py wrote
+    sbom.py FOLDER VERSION EPOCH     FOLDER holds what is released; EPOCH: the time of the commit, seconds
 
 Each file is a package with its sum, and is related to what is compiled into it (STATIC_LINK) or lies in it (CONTAINS), with versions and
 licences. The same files give the same bytes.
@@ -12,6 +12,7 @@ import json
 import pathlib
 import re
 import sys
+import tarfile
 import time
 
 sys.dont_write_bytecode = True
@@ -24,14 +25,23 @@ COMMENTS = {
 }
 
 
-def inside(file, contents):
+def bundled(archive):
+    """The lines that bundle.py left in an archive: relation, name, version, licence."""
+    with tarfile.open(archive) as tar:
+        for member in tar:
+            if member.name.endswith("/licences/contents.txt"):
+                return tar.extractfile(member).read().decode().splitlines()
+    sys.exit(f"{archive}: no licences/contents.txt is inside")
+
+
+def inside(file):
     """What is compiled into a released file, or lies in it: (relation, name, version, licence)."""
     if file.name in COMMENTS:
         return []
     what = file.name.split("_")[0] if file.suffix == ".deb" else "windows" if file.suffix == ".zip" else "linux"
     found = [("STATIC_LINK", name, notices.version_of(name), licence) for name, licence in sorted(notices.COMPILED_IN[what].items())]
-    if file.name in contents:
-        found += [tuple(line.split(" ", 3)) for line in pathlib.Path(contents[file.name]).read_text().splitlines()]
+    if what == "linux":
+        found += [tuple(line.split(" ", 3)) for line in bundled(file)]
     return found
 
 
@@ -39,7 +49,7 @@ def spdx_id(*parts):
     return "SPDXRef-" + re.sub(r"[^A-Za-z0-9.-]", "-", "-".join(parts))
 
 
-def document(folder, version, epoch, contents):
+def document(folder, version, epoch):
     created = time.strftime("%Y-%m-%dT%H:%M:%SZ", time.gmtime(epoch))
     packages, relations, known = [], [], set()
     sums = []
@@ -52,7 +62,7 @@ def document(folder, version, epoch, contents):
                          "copyrightText": "Copyright 2026 The Doppel authors", "comment": comment,
                          "checksums": [{"algorithm": "SHA256", "checksumValue": digest}]})
         relations.append({"spdxElementId": "SPDXRef-DOCUMENT", "relationshipType": "DESCRIBES", "relatedSpdxElement": spdx_id(file.name)})
-        for relation, name, itsVersion, itsLicence in inside(file, contents):
+        for relation, name, itsVersion, itsLicence in inside(file):
             identity = spdx_id(name, itsVersion)
             if identity not in known:
                 known.add(identity)
@@ -73,11 +83,11 @@ def document(folder, version, epoch, contents):
 
 
 def main():
-    if len(sys.argv) < 4 or {"-h", "--help"} & set(sys.argv[1:]):
+    if len(sys.argv) != 4 or {"-h", "--help"} & set(sys.argv[1:]):
         print(__doc__, file=sys.stderr)
         return 2
     folder, version = pathlib.Path(sys.argv[1]), sys.argv[2]
-    listed, bill = document(folder, version, int(sys.argv[3]), dict(a.split("=", 1) for a in sys.argv[4:]))
+    listed, bill = document(folder, version, int(sys.argv[3]))
     name = f"doppel-{version}.spdx.json"
     (folder / name).write_text(json.dumps(bill, indent=1) + "\n")
     listed += f"{hashlib.sha256((folder / name).read_bytes()).hexdigest()}  {name}\n"
