@@ -6,7 +6,7 @@ import sys
 
 LINE = "SPDX-License-Identifier: Apache-2.0"
 FOLDERS = ("sdk", "platform", "shaders", "apps", "reconstruction", "tools", "tests", ".ci")
-SOURCES = {".h", ".hpp", ".c", ".cpp", ".mm", ".glsl", ".comp", ".vert", ".frag", ".py", ".sh", ".mjs", ".cmake", ".swift", ".kt", ".java"}
+SOURCES = {".h", ".hpp", ".c", ".cpp", ".mm", ".glsl", ".comp", ".vert", ".frag", ".py", ".sh", ".mjs", ".js", ".cmake", ".swift", ".kt", ".java"}
 
 
 def is_source(path):

@@ -11,7 +11,7 @@ import re
 import sys
 
 PAGE = "docs/shells.md"
-SUFFIXES = {".swift", ".kt", ".java", ".cpp", ".h", ".mm", ".vert", ".frag"}
+SUFFIXES = {".swift", ".kt", ".java", ".cpp", ".h", ".mm", ".vert", ".frag", ".js"}
 COMMENT = re.compile(r"\s*(//|\*|/\*)")
 SLACK = 0.1  # of a count
 
@@ -31,6 +31,8 @@ SHELLS = [
      "all of it, by `tools/test` on a runtime of ours, by `tools/prove-openxr` on Monado with a simulated headset", "guides/quest.md"),
     ("Quest, beyond OpenXR", ["platform/openxr/android_loader.*"], ["apps/xr/android/*"],
      "compiled and joined for aarch64 against declarations of the NDK, by `tools/prove-android`", "guides/quest.md"),
+    ("browser (WebAssembly)", ["platform/web/*", "platform/web/lacking/*"], ["platform/web/demo/*"],
+     "all of it, by `tools/prove-web`: the module in Node, the element in headless Chromium; it draws on the CPU", "guides/web.md"),
     ("shared by desktop, Android and OpenXR", ["platform/common/*"], [], "by the tests of these three", ""),
 ]
 

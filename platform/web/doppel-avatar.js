@@ -1,0 +1,278 @@
+// SPDX-License-Identifier: Apache-2.0
+// <doppel-avatar src="ada.glb" clip="walk" autoplay camera-controls poster="ada.png"></doppel-avatar>
+//
+// Attributes: src, the file. clip: name or number of the clip; without it the first one. autoplay: plays, unless the visitor asks for reduced
+// motion. camera-controls: drag, wheel, two fingers, arrow keys, + and -. poster: a picture until the first one is drawn, and where none can
+// be. module: where doppel.wasm is. alt: what the picture shows, for those who do not see it.
+// Events: progress (detail: loaded, total), load, first-picture, error (detail: message, code). Slot `poster` takes other contents.
+// It draws on the CPU. Where a picture takes longer than FRAME_MS, the next ones have fewer pixels, and the browser enlarges them.
+import { Doppel, DoppelError } from './doppel.js';
+
+const FOV_Y = 0.6;
+const FRAME_MS = 30;
+const LEAST_SCALE = 0.35;  // of the pixels of the screen, in each direction
+const MOST_DENSITY = 2;    // pixels a CSS pixel
+const ORBIT_PER_PX = 0.01, ORBIT_PER_KEY = 0.15, ZOOM_PER_KEY = 1.15;
+const HIGHEST = 1.4;       // radians above or below the horizon
+const NEAREST = 0.25, FARTHEST = 3;  // of the distance at which the whole person is seen
+const MAGNIFICATION = 3;   // a detail that the scan just shows is never drawn over more pixels
+
+const STYLE = `
+:host { display: inline-block; position: relative; width: 300px; height: 400px; overflow: hidden; }
+:host([hidden]) { display: none; }
+:host([camera-controls]) canvas { touch-action: none; cursor: grab; }
+canvas, img, slot { position: absolute; inset: 0; width: 100%; height: 100%; display: block; }
+img { object-fit: contain; }
+[hidden] { display: none; }
+`;
+
+// On a server, where pages are only put together, there is no HTMLElement.
+export class DoppelAvatarElement extends (globalThis.HTMLElement ?? class {}) {
+  static observedAttributes = ['src', 'clip', 'autoplay', 'camera-controls', 'poster', 'module', 'alt'];
+
+  #canvas; #poster; #slot; #context2d = null; #person = null; #loading = null; #resize; #sight; #frame = 0;
+  #playing = false; #inSight = true; #time = 0; #last = 0; #stale = true; #shown = false; #scale = 1;
+  #azimuth = 0.35; #elevation = 0.05; #zoom = 1; #pointers = new Map();
+  #onVisibility = () => this.#wake();
+
+  constructor() {
+    super();
+    const root = this.attachShadow({ mode: 'open' });
+    const style = document.createElement('style');
+    style.textContent = STYLE;
+    this.#canvas = document.createElement('canvas');
+    this.#canvas.setAttribute('role', 'img');
+    this.#poster = document.createElement('img');
+    this.#poster.hidden = true;
+    this.#poster.alt = '';
+    this.#slot = document.createElement('slot');
+    this.#slot.name = 'poster';
+    root.append(style, this.#canvas, this.#poster, this.#slot);
+    this.#listen();
+  }
+
+  /** The Doppel of doppel.js, once it is loaded; null before and after. */
+  get person() { return this.#person; }
+  /** Whether the clip does not run. */
+  get paused() { return !this.#playing; }
+  /** Seconds from the start of the clip. */
+  get currentTime() { return this.#time; }
+  set currentTime(seconds) {
+    if (!Number.isFinite(seconds)) throw new TypeError('currentTime must be a finite number');
+    this.#time = seconds;
+    this.redraw();
+  }
+  play() {
+    this.#playing = true;
+    this.#last = 0;
+    this.#wake();
+  }
+  pause() { this.#playing = false; }
+  /** Draws again, for example after the pose was set by `person`. */
+  redraw() {
+    this.#stale = true;
+    this.#wake();
+  }
+
+  connectedCallback() {
+    this.#resize = new ResizeObserver(() => this.redraw());
+    this.#resize.observe(this);
+    this.#sight = new IntersectionObserver(seen => {
+      this.#inSight = seen.at(-1).isIntersecting;
+      this.#wake();
+    });
+    this.#sight.observe(this);
+    document.addEventListener('visibilitychange', this.#onVisibility);
+    this.#load();
+  }
+
+  disconnectedCallback() {
+    this.#resize.disconnect();
+    this.#sight.disconnect();
+    document.removeEventListener('visibilitychange', this.#onVisibility);
+    cancelAnimationFrame(this.#frame);
+    this.#frame = 0;
+    this.#drop();
+  }
+
+  attributeChangedCallback(name, before, now) {
+    if (before === now) return;
+    if (name === 'poster') {
+      if (now) this.#poster.src = now;
+      this.#showPoster(!this.#shown);
+    } else if (name === 'alt') {
+      this.#canvas.setAttribute('aria-label', now ?? '');
+    } else if (name === 'autoplay') {
+      this.#playing = now !== null && !matchMedia('(prefers-reduced-motion: reduce)').matches;
+      this.#wake();
+    } else if (name === 'camera-controls') {
+      if (now === null) this.#canvas.removeAttribute('tabindex');
+      else this.#canvas.tabIndex = 0;
+    } else if (name === 'clip') {
+      this.#time = 0;
+      this.redraw();
+    } else if (this.isConnected) {
+      this.#load();
+    }
+  }
+
+  #drop() {
+    this.#loading?.abort();
+    this.#loading = null;
+    this.#person?.dispose();
+    this.#person = null;
+    this.#shown = false;
+    this.#showPoster(true);
+  }
+
+  #showPoster(on) {
+    this.#poster.hidden = !on || !this.getAttribute('poster');
+    this.#slot.hidden = !on;
+    this.#canvas.style.visibility = on ? 'hidden' : '';
+  }
+
+  #tell(type, detail) { this.dispatchEvent(new CustomEvent(type, { detail })); }
+
+  #fail(error) {
+    this.#drop();
+    this.#tell('error', { message: String(error.message), code: error.code ?? 'DPL_ERROR_INTERNAL' });
+  }
+
+  async #load() {
+    this.#drop();
+    const src = this.getAttribute('src');
+    if (!src) return;
+    const loading = this.#loading = new AbortController();
+    await null;  // so that attributes which are set together load once
+    if (loading.signal.aborted) return;
+    const module = this.getAttribute('module');
+    try {
+      const person = await Doppel.load(new URL(src, document.baseURI), {
+        signal: loading.signal,
+        ...(module ? { module: new URL(module, document.baseURI) } : {}),
+        onProgress: (loaded, total) => { if (!loading.signal.aborted) this.#tell('progress', { loaded, total }); },
+      });
+      if (loading.signal.aborted) return person.dispose();
+      this.#person = person;
+      this.#time = 0;
+      this.#last = 0;
+      this.#tell('load', { name: person.name, splatCount: person.splatCount });
+      this.redraw();
+    } catch (error) {
+      if (!loading.signal.aborted) this.#fail(error instanceof TypeError ? new DoppelError(`src or module is no address: ${error.message}`, 'NETWORK') : error);
+    }
+  }
+
+  /** Asks for a frame if there is something to draw and somebody may see it. */
+  #wake() {
+    if (this.#frame || !this.#person || !this.#inSight || document.hidden || !(this.#playing || this.#stale)) return;
+    this.#frame = requestAnimationFrame(now => {
+      this.#frame = 0;
+      if (!this.#person) return;
+      if (this.#playing) this.#time += this.#last ? Math.min(0.1, (now - this.#last) / 1000) : 0;
+      this.#last = this.#playing ? now : 0;
+      this.#stale = false;
+      try {
+        this.#draw();
+      } catch (error) {
+        return this.#fail(error);
+      }
+      this.#wake();
+    });
+  }
+
+  #draw() {
+    const density = Math.min(MOST_DENSITY, globalThis.devicePixelRatio || 1) * this.#scale;
+    const width = Math.round(this.clientWidth * density), height = Math.round(this.clientHeight * density);
+    if (width < 1 || height < 1) return;
+    const person = this.#person, started = performance.now();
+    if (person.clips.length) {
+      const clip = this.getAttribute('clip') ?? '0';
+      person.setClip(/^\d+$/.test(clip) ? Number(clip) : clip, this.#time);
+    }
+    const picture = person.draw(this.#camera(width, height), { straight: true });
+    if (this.#canvas.width !== width || this.#canvas.height !== height) this.#canvas.width = width, this.#canvas.height = height;
+    this.#context2d ??= this.#canvas.getContext('2d');
+    this.#context2d.putImageData(new ImageData(picture, width, height), 0, 0);
+    this.#adapt(performance.now() - started);
+    if (this.#shown) return;
+    this.#shown = true;
+    this.#showPoster(false);
+    this.#tell('first-picture');
+  }
+
+  /** Fewer pixels where pictures take too long while they move, all of them for one that stands. */
+  #adapt(ms) {
+    const before = this.#scale;
+    if (!this.#playing && !this.#pointers.size) this.#scale = 1;
+    else if (ms > FRAME_MS) this.#scale = Math.max(LEAST_SCALE, this.#scale * Math.max(0.7, Math.sqrt(FRAME_MS / ms)));
+    else if (ms < FRAME_MS / 2) this.#scale = Math.min(1, this.#scale * 1.05);
+    if (!this.#playing && before < this.#scale) this.#stale = true;
+  }
+
+  #camera(width, height) {
+    const { restMin, restMax } = this.#person;
+    const target = restMin.map((low, k) => (low + restMax[k]) / 2);
+    const halfHeight = (restMax[1] - restMin[1]) / 2 || 1;
+    const halfWidth = Math.max(0.3 * halfHeight, Math.min((restMax[0] - restMin[0]) / 2, halfHeight));
+    const tangent = Math.tan(FOV_Y / 2), whole = 1.15 * Math.max(halfHeight, halfWidth * height / width) / tangent;
+    const direction = [Math.sin(this.#azimuth) * Math.cos(this.#elevation), Math.sin(this.#elevation), Math.cos(this.#azimuth) * Math.cos(this.#elevation)];
+    const at = distance => target.map((value, k) => value + direction[k] * distance);
+    const nearest = this.#person.nearestDistance(target, at(whole), height / (2 * tangent), MAGNIFICATION);
+    this.#zoom = Math.min(FARTHEST, Math.max(NEAREST, Math.min(1, nearest / whole), this.#zoom));
+    return this.#person.lookAt({ eye: at(whole * this.#zoom), target, fovY: FOV_Y, width, height });
+  }
+
+  #turn(azimuth, elevation) {
+    this.#azimuth += azimuth;
+    this.#elevation = Math.min(HIGHEST, Math.max(-HIGHEST, this.#elevation + elevation));
+    this.redraw();
+  }
+  #zoomBy(factor) {
+    this.#zoom *= factor;
+    this.redraw();
+  }
+
+  #listen() {
+    const canvas = this.#canvas, controlled = () => this.hasAttribute('camera-controls');
+    const spread = () => {
+      const [a, b] = [...this.#pointers.values()];
+      return Math.hypot(a.x - b.x, a.y - b.y) || 1;
+    };
+    canvas.addEventListener('pointerdown', event => {
+      if (!controlled()) return;
+      canvas.setPointerCapture(event.pointerId);
+      this.#pointers.set(event.pointerId, { x: event.clientX, y: event.clientY });
+    });
+    canvas.addEventListener('pointermove', event => {
+      const pointer = this.#pointers.get(event.pointerId);
+      if (!pointer) return;
+      const two = this.#pointers.size === 2, before = two ? spread() : 0, { x, y } = pointer;
+      pointer.x = event.clientX, pointer.y = event.clientY;
+      if (two) this.#zoomBy(before / spread());
+      else if (this.#pointers.size === 1) this.#turn((x - pointer.x) * ORBIT_PER_PX, (pointer.y - y) * ORBIT_PER_PX);
+    });
+    for (const type of ['pointerup', 'pointercancel'])
+      canvas.addEventListener(type, event => {
+        if (this.#pointers.delete(event.pointerId)) this.redraw();
+      });
+    canvas.addEventListener('wheel', event => {
+      if (!controlled()) return;
+      event.preventDefault();
+      this.#zoomBy(Math.exp(Math.max(-1, Math.min(1, event.deltaY * 0.002))));
+    }, { passive: false });
+    canvas.addEventListener('keydown', event => {
+      if (!controlled()) return;
+      const moves = {
+        ArrowLeft: () => this.#turn(-ORBIT_PER_KEY, 0), ArrowRight: () => this.#turn(ORBIT_PER_KEY, 0),
+        ArrowUp: () => this.#turn(0, ORBIT_PER_KEY), ArrowDown: () => this.#turn(0, -ORBIT_PER_KEY),
+        '+': () => this.#zoomBy(1 / ZOOM_PER_KEY), '-': () => this.#zoomBy(ZOOM_PER_KEY),
+      };
+      if (!moves[event.key]) return;
+      event.preventDefault();
+      moves[event.key]();
+    });
+  }
+}
+
+if (globalThis.customElements && !customElements.get('doppel-avatar')) customElements.define('doppel-avatar', DoppelAvatarElement);

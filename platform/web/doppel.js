@@ -1,0 +1,360 @@
+// SPDX-License-Identifier: Apache-2.0
+// Doppel in browsers and in Node: loads a person, poses them, draws them. An ES module without dependencies; doppel.wasm lies beside it.
+//
+//   import { Doppel } from './doppel.js';
+//   const ada = await Doppel.load('ada.glb');
+//   ada.setClip(0, 1.25);
+//   const camera = ada.lookAt({ eye: [0, 1, 3], target: [0, 1, 0], width: 512, height: 768 });
+//   context2d.putImageData(new ImageData(ada.draw(camera, { straight: true }), 512, 768), 0, 0);
+//
+// Units and frames are those of the C API (doppel.h): metres, seconds, radians; +Y up, the person faces +Z; quaternions are x, y, z, w.
+// Each person has an instance of the module, and so memory of their own, which ends with the person. The module is compiled once.
+
+/** What went wrong, in a sentence of the library. `code`: a name such as 'DPL_ERROR_CORRUPT_DATA', or 'NETWORK' where a file did not come. */
+export class DoppelError extends Error {
+  constructor(message, code) {
+    super(message);
+    this.name = 'DoppelError';
+    this.code = code;
+  }
+}
+
+const RESULTS = ['DPL_OK', 'DPL_ERROR_INVALID_ARGUMENT', 'DPL_ERROR_NOT_FOUND', 'DPL_ERROR_CORRUPT_DATA', 'DPL_ERROR_VERSION', 'DPL_ERROR_UNSUPPORTED',
+  'DPL_ERROR_OUT_OF_MEMORY', 'DPL_ERROR_IO', 'DPL_ERROR_DEVICE', 'DPL_ERROR_INTERNAL'];
+const OUT_OF_MEMORY = 6;
+const MAX_FILE_BYTES = 512 * 1024 * 1024;
+const PAGE_BYTES = 65536, FIRST_PAGES = 64, MOST_PAGES = 32768;  // the limits of memory in CMakeLists.txt
+const MEMORY_LIMIT = 1 << 30;
+const MAX_SIDE_PX = 8192;
+const STRAIGHT_ALPHA = 1;  // DPL_IMAGE_STRAIGHT_ALPHA
+const SCRATCH_BYTES = 256;
+
+const decoder = new TextDecoder();
+const encoder = new TextEncoder();
+
+/** The bytes of a URL, a Response, a Blob or a buffer. onProgress(loaded, total): bytes; total is 0 where nobody says. */
+export async function fetchBytes(source, { onProgress, signal } = {}) {
+  if (source instanceof ArrayBuffer) return new Uint8Array(source);
+  if (ArrayBuffer.isView(source)) return new Uint8Array(source.buffer, source.byteOffset, source.byteLength);
+  if (typeof Blob !== 'undefined' && source instanceof Blob) return new Uint8Array(await source.arrayBuffer());
+  let name = 'the file';
+  try {
+    let response = source;
+    if (!(typeof Response !== 'undefined' && source instanceof Response)) {
+      name = String(source);
+      if (name.startsWith('file:') && typeof process !== 'undefined' && process.versions?.node) {  // Node's fetch knows no file:
+        const { readFile } = await import('node:fs/promises');
+        return new Uint8Array(await readFile(new URL(name)));
+      }
+      response = await fetch(name, { signal });
+    }
+    if (!response.ok) throw new DoppelError(`${name}: the server answers ${response.status} ${response.statusText}`.trimEnd(), 'NETWORK');
+    return await readAll(response, name, onProgress);
+  } catch (error) {
+    if (error instanceof DoppelError || error?.name === 'AbortError') throw error;
+    throw new DoppelError(`${name}: cannot be fetched (${error?.message ?? error}); is the address right, and does its server allow this page (CORS)?`,
+      'NETWORK');
+  }
+}
+
+async function readAll(response, name, onProgress) {
+  const total = Number(response.headers.get('content-length')) || 0;
+  const tooLarge = () => new DoppelError(`${name}: more than ${MAX_FILE_BYTES / 1048576} MB; a page takes no larger file`, 'NETWORK');
+  if (total > MAX_FILE_BYTES) throw tooLarge();
+  if (!response.body) return new Uint8Array(await response.arrayBuffer());
+  const parts = [];
+  let loaded = 0;
+  for (const reader = response.body.getReader(); ;) {
+    const { done, value } = await reader.read();
+    if (done) break;
+    parts.push(value);
+    loaded += value.length;
+    if (loaded > MAX_FILE_BYTES) {
+      reader.cancel();
+      throw tooLarge();
+    }
+    onProgress?.(loaded, Math.max(total, loaded));
+  }
+  const bytes = new Uint8Array(loaded);
+  let at = 0;
+  for (const part of parts) {
+    bytes.set(part, at);
+    at += part.length;
+  }
+  return bytes;
+}
+
+const compiled = new Map();
+
+/** The compiled module, shared by all that name the same address. from: a URL, bytes, a Promise of bytes, or a WebAssembly.Module. */
+async function compile(from) {
+  if (from instanceof WebAssembly.Module) return from;
+  if (typeof from !== 'string' && !(from instanceof URL)) return WebAssembly.compile(await fetchBytes(await from));
+  const key = new URL(from, globalThis.document?.baseURI ?? import.meta.url).href;
+  if (!compiled.has(key)) {
+    const made = fetchBytes(key).then(bytes => WebAssembly.compile(bytes));
+    compiled.set(key, made);
+    made.catch(() => compiled.delete(key));  // the next person may try again
+  }
+  return compiled.get(key);
+}
+
+/** Imports that a WASI module without files asks for. text(pointer) reads a C string of the instance. */
+function importsOf(module, memory, text, onLog) {
+  const BAD_FILE = 8, NO_FUNCTION = 52;
+  const known = {
+    clock_time_get(id, precision, at) {
+      const ms = id === 0 ? Date.now() : performance.now();
+      new DataView(memory().buffer).setBigUint64(at, BigInt(Math.round(ms * 1e6)), true);
+      return 0;
+    },
+    environ_sizes_get(count, bytes) {
+      const view = new DataView(memory().buffer);
+      view.setUint32(count, 0, true);
+      view.setUint32(bytes, 0, true);
+      return 0;
+    },
+    environ_get: () => 0,
+    fd_prestat_get: () => BAD_FILE,
+    fd_write(file, vectors, count, written) {  // the log of the library, which goes to stderr
+      const view = new DataView(memory().buffer);
+      let line = '', bytes = 0;
+      for (let i = 0; i < count; ++i) {
+        const at = view.getUint32(vectors + 8 * i, true), size = view.getUint32(vectors + 8 * i + 4, true);
+        line += decoder.decode(new Uint8Array(memory().buffer, at, size));
+        bytes += size;
+      }
+      if (line.trim()) onLog(line.trim());
+      view.setUint32(written, bytes, true);
+      return 0;
+    },
+    proc_exit(code) {
+      throw new Error(`the module ended with ${code}`);
+    },
+  };
+  const imports = {};
+  for (const { module: from, name, kind } of WebAssembly.Module.imports(module)) {
+    imports[from] ??= {};
+    if (kind === 'memory') imports[from][name] = memory();
+    else imports[from][name] = from === 'doppel' ? type => { throw new Error(text(type)); } : known[name] ?? (() => NO_FUNCTION);
+  }
+  return imports;
+}
+
+/** A person, or general splats. Functions throw DoppelError. */
+export class Doppel {
+  #exports; #memory; #context = 0; #avatar = 0; #scratch = 0; #image = 0; #imageBytes = 0; #lost = null;
+
+  /** Loads an avatar (.glb) or general splats.
+   *  source: a URL, a Response, a Blob, or bytes. options.module: where doppel.wasm is, its bytes, or the compiled module; otherwise beside this
+   *  file. options.onProgress(loaded, total): bytes of the file. options.signal: an AbortSignal. options.memoryLimit: most memory for this person, bytes; usually
+   *  1 GiB. options.onLog(line): warnings of the library; otherwise they go to the console. */
+  static async load(source, options = {}) {
+    const [module, bytes] = await Promise.all([compile(options.module ?? new URL('./doppel.wasm', import.meta.url)), fetchBytes(source, options)]);
+    options.signal?.throwIfAborted();
+    const person = new Doppel();
+    await person.#start(module, options.memoryLimit ?? MEMORY_LIMIT, options.onLog ?? (line => console.warn(line)));
+    person.#load(bytes);
+    return person;
+  }
+
+  async #start(module, memoryLimit, onLog) {
+    let instance;
+    try {
+      this.#memory = new WebAssembly.Memory({ initial: FIRST_PAGES, maximum: Math.min(MOST_PAGES, Math.max(FIRST_PAGES, Math.floor(memoryLimit / PAGE_BYTES))) });
+      const imports = importsOf(module, () => this.#memory, at => this.#text(at), onLog);
+      instance = await WebAssembly.instantiate(module, imports);
+    } catch (error) {
+      throw new DoppelError(`the module does not start: ${error.message}`, error instanceof RangeError ? RESULTS[OUT_OF_MEMORY] : 'DPL_ERROR_UNSUPPORTED');
+    }
+    this.#exports = instance.exports;
+    this.#call('_initialize');
+    this.#scratch = this.#call('webAllocate', SCRATCH_BYTES);
+    this.#context = this.#call('webCreateContext');
+    if (!this.#context) throw this.#error(-1);
+  }
+
+  #load(bytes) {
+    const data = this.#put(bytes);
+    this.#avatar = this.#call('webLoadAvatar', this.#context, data, bytes.length, this.#scratch);
+    if (!this.#avatar) throw this.#error(this.#int());
+    this.#call('webFree', data);
+    this.#check(this.#call('webAvatarNumbers', this.#avatar, this.#scratch));
+    const [joints, splats, clips, vertices, triangles, shDegree, ...box] = this.#numbers(12);
+    /** Name of the person in the file. A stranger may have written it: it is text, never HTML. */
+    this.name = this.#text(this.#call('webAvatarName', this.#avatar));
+    this.splatCount = splats;
+    this.vertexCount = vertices;
+    this.triangleCount = triangles;
+    this.shDegree = shDegree;
+    /** Bounding box at rest, metres. */
+    this.restMin = box.slice(0, 3);
+    this.restMax = box.slice(3);
+    /** {name, bone, parent, restPosition} of each joint; bone: of the VRM humanoid, or ''. */
+    this.joints = Array.from({ length: joints }, (_, i) => {
+      this.#check(this.#call('webJointNumbers', this.#avatar, i, this.#scratch));
+      const [parent, ...restPosition] = this.#numbers(4);
+      const name = bone => this.#text(this.#call('webJointName', this.#avatar, i, bone));
+      return { name: name(0), bone: name(1), parent, restPosition };
+    });
+    /** {name, duration} of each clip; duration in seconds. */
+    this.clips = Array.from({ length: clips }, (_, i) => this.#clip(i));
+  }
+
+  #clip(i) {
+    return { name: this.#text(this.#call('webClipName', this.#avatar, i)), duration: this.#call('webClipDuration', this.#avatar, i) };
+  }
+
+  /** Poses the person: a quaternion for each joint, 4 · joints.length numbers; the identity is the rest pose. translation: of the root, metres. */
+  setPose(rotations, translation = [0, 0, 0]) {
+    const count = this.joints.length;
+    if (rotations.length !== 4 * count) throw new DoppelError(`${rotations.length} numbers for the rotations of ${count} joints; 4 for each are needed`, RESULTS[1]);
+    if (translation.length !== 3) throw new DoppelError(`a translation of ${translation.length} numbers; 3 are needed`, RESULTS[1]);
+    const at = this.#call('webAllocate', 16 * count + 12);
+    if (!at) throw this.#refused(16 * count);
+    const floats = new Float32Array(this.#memory.buffer, at, 4 * count + 3);
+    floats.set(rotations);
+    floats.set(translation, 4 * count);
+    const result = this.#call('dplSetPose', this.#avatar, at, count, at + 16 * count);
+    this.#call('webFree', at);
+    this.#check(result);
+  }
+
+  /** Poses the person as a clip does at `time`, seconds. clip: its number or its name. */
+  setClip(clip, time, { loop = true } = {}) {
+    let index = clip;
+    if (typeof clip === 'string') {
+      index = this.clips.findIndex(c => c.name === clip);
+      if (index < 0) throw new DoppelError(`there is no clip '${clip}'; there are: ${this.clips.map(c => c.name).join(', ') || 'none'}`, RESULTS[2]);
+    }
+    this.#check(this.#call('dplSetPoseFromClip', this.#avatar, index, time, loop ? 1 : 0));
+  }
+
+  /** Reads a motion (BVH or GLB) for this person and returns the number of the new clip. source: as of Doppel.load. inPlace: without travel. */
+  async loadClip(source, { name = '', animation = 0, inPlace = false, ...options } = {}) {
+    const bytes = await fetchBytes(source, options);
+    const data = this.#put(bytes), title = name ? this.#put(encoder.encode(name + '\0')) : 0;
+    const result = this.#call('webLoadClip', this.#avatar, data, bytes.length, inPlace ? 4 : 0, animation, title, this.#scratch);
+    this.#call('webFree', data);
+    this.#call('webFree', title);
+    this.#check(result);
+    const clip = this.#int();
+    this.clips.push(this.#clip(clip));
+    return clip;
+  }
+
+  /** Places the person in the world: 12 numbers, a 3×4 matrix row by row; null: where they were at first. */
+  setTransform(worldFromAvatar) {
+    if (worldFromAvatar && worldFromAvatar.length !== 12) throw new DoppelError(`a transform of ${worldFromAvatar.length} numbers; 12 are needed`, RESULTS[1]);
+    this.#alive();
+    if (worldFromAvatar) new Float32Array(this.#memory.buffer, this.#scratch, 12).set(worldFromAvatar);
+    this.#check(this.#call('dplSetTransform', this.#avatar, worldFromAvatar ? this.#scratch : 0));
+  }
+
+  /** Draws fewer splats where they are not seen (splatsPerPixel; 12 is usual) and never more than splatBudget. 0: no limit. */
+  setDetail({ splatsPerPixel = 0, splatBudget = 0 } = {}) {
+    this.#check(this.#call('webSetDetail', this.#context, splatsPerPixel, splatBudget));
+  }
+
+  /** World positions of all joints: 3 numbers each, metres. */
+  jointPositions() {
+    const count = this.joints.length, at = this.#call('webAllocate', 12 * count + 4);
+    if (!at) throw this.#refused(12 * count);
+    const result = this.#call('dplGetJointPositions', this.#avatar, at, count);
+    const positions = new Float32Array(this.#memory.buffer, at, 3 * count).slice();
+    this.#call('webFree', at);
+    this.#check(result);
+    return positions;
+  }
+
+  /** A camera {width, height, fx, fy, cx, cy, viewFromWorld} for draw(). It looks along its +z, with y down. fovY: vertical field of view, radians. */
+  lookAt({ eye, target, up = [0, 1, 0], fovY = 0.8, width, height }) {
+    this.#alive();
+    new Float32Array(this.#memory.buffer, this.#scratch, 9).set([...eye, ...target, ...up].slice(0, 9));
+    this.#check(this.#call('webLookAt', this.#scratch, fovY, width, height, this.#scratch + 48));
+    const [w, h, fx, fy, cx, cy, ...viewFromWorld] = new Float64Array(this.#memory.buffer, this.#scratch + 48, 18);
+    return { width: w, height: h, fx, fy, cx, cy, viewFromWorld };
+  }
+
+  /** The nearest distance from which a detail that the scan just shows is drawn over `magnification` pixels, metres; 0: the file does not say.
+   *  point: what the camera looks at. focalPx: fx of the camera. */
+  nearestDistance(point, eye, focalPx, magnification) {
+    this.#alive();
+    new Float32Array(this.#memory.buffer, this.#scratch, 6).set([...point, ...eye].slice(0, 6));
+    this.#check(this.#call('dplGetNearestDistance', this.#avatar, this.#scratch, this.#scratch + 12, focalPx, magnification, this.#scratch + 24));
+    return new Float32Array(this.#memory.buffer, this.#scratch + 24, 1)[0];
+  }
+
+  /** Draws on the CPU: 4 bytes a pixel, R first, top row first. straight: colour divided by alpha, as ImageData wants it; otherwise
+   *  premultiplied. into: a buffer of width · height · 4 bytes to fill instead of a new one. */
+  draw(camera, { straight = false, into } = {}) {
+    const bytes = this.#setCamera(camera);
+    if (this.#imageBytes < bytes) {
+      this.#call('webFree', this.#image);
+      this.#imageBytes = 0;
+      this.#image = this.#call('webAllocate', bytes);
+      if (!this.#image) throw this.#refused(bytes);
+      this.#imageBytes = bytes;
+    }
+    this.#check(this.#call('webRender', this.#context, this.#avatar, this.#scratch, straight ? STRAIGHT_ALPHA : 0, this.#image, bytes));
+    const pixels = new Uint8ClampedArray(this.#memory.buffer, this.#image, bytes);
+    if (!into) return pixels.slice();
+    into.set(pixels);
+    return into;
+  }
+
+  /** Drops the person and their memory. */
+  dispose() {
+    this.#exports = this.#memory = null;
+    this.#lost = new DoppelError('this person was disposed of', RESULTS[1]);
+  }
+
+  /** Writes a camera to the scratch memory. Returns the bytes of its picture. */
+  #setCamera(camera) {
+    const { width, height } = camera;
+    for (const side of [width, height])
+      if (!Number.isInteger(side) || side < 1 || side > MAX_SIDE_PX) throw new DoppelError(`a picture of ${width} × ${height} pixels; sides are whole numbers from 1 to ${MAX_SIDE_PX}`, RESULTS[1]);
+    if (camera.viewFromWorld?.length !== 12) throw new DoppelError('viewFromWorld of the camera must have 12 numbers', RESULTS[1]);
+    this.#alive();
+    const numbers = new Float64Array(this.#memory.buffer, this.#scratch, 18);
+    numbers[0] = width, numbers[1] = height, numbers[2] = camera.fx, numbers[3] = camera.fy, numbers[4] = camera.cx, numbers[5] = camera.cy;
+    numbers.set(camera.viewFromWorld, 6);
+    return width * height * 4;
+  }
+
+  #alive() {
+    if (this.#lost) throw this.#lost;
+  }
+
+  /** Calls an export. Whatever it throws ends this instance: its memory may be in any state. */
+  #call(name, ...values) {
+    this.#alive();
+    try {
+      return this.#exports[name](...values);
+    } catch (error) {
+      const memory = error.message === 'out of memory';
+      this.#lost = memory ? new DoppelError('there is not enough memory for this person in this browser', RESULTS[OUT_OF_MEMORY])
+        : new DoppelError(`the module failed (${error.message}); please report this`, 'DPL_ERROR_INTERNAL');
+      this.#exports = this.#memory = null;
+      throw this.#lost;
+    }
+  }
+
+  #put(bytes) {
+    const at = this.#call('webAllocate', bytes.length || 1);
+    if (!at) throw this.#refused(bytes.length);
+    new Uint8Array(this.#memory.buffer, at, bytes.length).set(bytes);
+    return at;
+  }
+  #numbers(count) { return [...new Float64Array(this.#memory.buffer, this.#scratch, count)]; }
+  #int() { return new Int32Array(this.#memory.buffer, this.#scratch, 1)[0]; }
+  #text(at) {
+    const bytes = new Uint8Array(this.#memory.buffer, at);
+    return decoder.decode(bytes.slice(0, bytes.indexOf(0)));
+  }
+  #refused(bytes) { return new DoppelError(`the browser gives no ${bytes} bytes more to this person`, RESULTS[OUT_OF_MEMORY]); }
+  #error(result) { return new DoppelError(this.#text(this.#call('dplGetLastError')), RESULTS[-result] ?? 'DPL_ERROR_INTERNAL'); }
+  #check(result) {
+    if (result !== 0) throw this.#error(result);
+  }
+}

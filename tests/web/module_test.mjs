@@ -1,0 +1,156 @@
+// SPDX-License-Identifier: Apache-2.0
+// node --test: the module and doppel.js in Node, without a DOM. WEB_MODULE: doppel.wasm. WEB_PERSON: a sample person. WEB_REFEREE: folder with
+// the referee's pictures of SHOTS.
+import assert from 'node:assert/strict';
+import fs from 'node:fs';
+import path from 'node:path';
+import { pathToFileURL } from 'node:url';
+import { test } from 'node:test';
+import { Doppel, DoppelError } from '../../platform/web/doppel.js';
+import { SHOTS, compare } from './shots.mjs';
+
+const wasm = await WebAssembly.compile(fs.readFileSync(process.env.WEB_MODULE));
+const glb = fs.readFileSync(process.env.WEB_PERSON);
+const load = (bytes = glb, options = {}) => Doppel.load(bytes, { module: wasm, ...options });
+const fails = (what, code, pattern) => assert.rejects(async () => what(), error => {
+  assert.ok(error instanceof DoppelError, String(error));
+  assert.equal(error.code, code, error.message);
+  assert.match(error.message, pattern);
+  return true;
+});
+
+test('draws what the referee draws', async t => {
+  const person = await load();
+  for (const shot of SHOTS) {
+    if (shot.clip >= 0) person.setClip(shot.clip, shot.time);
+    const picture = person.draw(person.lookAt(shot));
+    const { db, levels, covered } = compare(picture, fs.readFileSync(path.join(process.env.WEB_REFEREE, `${shot.name}.rgba`)));
+    t.diagnostic(`${shot.name}: ${db === Infinity ? 'equal bytes' : `${db.toFixed(1)} dB, at most ${levels} levels`}`);
+    assert.ok(covered > 500, `${shot.name} shows the person`);
+    assert.ok(db >= 80 && levels <= 1, `${shot.name}: ${db} dB, ${levels} levels`);
+  }
+});
+
+test('tells of the person', async () => {
+  const person = await load();
+  assert.ok(person.splatCount > 1000 && person.joints.length > 10);
+  assert.deepEqual(person.clips.map(c => c.name), ['walk', 'moves']);
+  assert.ok(person.clips.every(c => c.duration > 0.5));
+  assert.ok(person.joints.some(j => j.bone === 'head') && person.joints[0].parent === -1);
+  assert.ok(person.restMax[1] > 1.2 && person.restMin[1] < 0.1);
+  assert.equal(person.jointPositions().length, 3 * person.joints.length);
+});
+
+test('a clip is found by name, and a pose and a transform move the person', async () => {
+  const person = await load();
+  const camera = person.lookAt(SHOTS[0]);
+  const rest = person.draw(camera);
+  person.setClip('walk', 0.4);
+  const walking = person.draw(camera);
+  assert.ok(compare(rest, walking).levels > 50);
+  person.setPose(person.joints.flatMap(() => [0, 0, 0, 1]));
+  assert.equal(compare(rest, person.draw(camera)).db, Infinity);
+  person.setTransform([1, 0, 0, 0.5, 0, 1, 0, 0, 0, 0, 1, 0]);
+  assert.ok(compare(rest, person.draw(camera)).levels > 50);
+  person.setTransform(null);
+  assert.equal(compare(rest, person.draw(camera)).db, Infinity);
+});
+
+test('straight alpha divides by alpha, and a buffer of the caller is filled', async () => {
+  const person = await load();
+  const camera = person.lookAt(SHOTS[0]), into = new Uint8ClampedArray(camera.width * camera.height * 4);
+  const premultiplied = person.draw(camera), straight = person.draw(camera, { straight: true, into });
+  assert.equal(straight, into);
+  const i = premultiplied.findIndex((value, at) => at % 4 === 3 && value > 60 && value < 200) - 3;
+  assert.ok(i >= 0);
+  for (let k = 0; k < 3; ++k) assert.ok(Math.abs(straight[i + k] * premultiplied[i + 3] / 255 - premultiplied[i + k]) <= 1.5);
+});
+
+test('several persons have their own state and memory', async () => {
+  const [a, b] = await Promise.all([load(), load()]);
+  const camera = a.lookAt(SHOTS[0]);
+  a.setClip(0, 0.4);
+  assert.ok(compare(a.draw(camera), b.draw(camera)).levels > 50);
+  a.dispose();
+  await fails(() => a.draw(camera), 'DPL_ERROR_INVALID_ARGUMENT', /disposed/);
+  b.draw(camera);
+});
+
+test('damaged files are an error with a sentence', async () => {
+  const json = glb.readUInt32LE(12);
+  for (let i = 0; i < 24; ++i) {
+    let bytes = Buffer.from(glb);
+    if (i % 2) for (let k = 0; k < 3; ++k) bytes[20 + (i * 7919 + k * 104729) % json] = 32 + (i + k) % 90;
+    else bytes = bytes.subarray(0, Math.floor(glb.length * i / 24));
+    try {
+      (await load(bytes, { onLog: () => {} })).dispose();
+      assert.ok(i % 2, `truncated to ${bytes.length} bytes`);  // a changed letter may do no harm
+    } catch (error) {
+      assert.ok(error instanceof DoppelError && error.message.length > 10, String(error));
+      assert.notEqual(error.code, 'DPL_ERROR_INTERNAL', error.message);
+    }
+  }
+  await fails(() => load(Buffer.from('<html>Not found</html>')), 'DPL_ERROR_UNSUPPORTED', /./);
+});
+
+test('a file that is not there, and a request that is ended', async () => {
+  await fails(() => load(pathToFileURL('/nowhere/ada.glb')), 'NETWORK', /ada\.glb: cannot be fetched/);
+  await fails(() => load(new Response('gone', { status: 404 })), 'NETWORK', /404/);
+  const controller = new AbortController();
+  controller.abort();
+  await assert.rejects(load(glb, { signal: controller.signal }), { name: 'AbortError' });
+});
+
+test('a file that streams tells how far it is', async () => {
+  const seen = [];
+  const body = new ReadableStream({
+    start(stream) {
+      for (let at = 0; at < glb.length; at += 100000) stream.enqueue(new Uint8Array(glb.subarray(at, at + 100000)));
+      stream.close();
+    },
+  });
+  const person = await load(new Response(body, { headers: { 'content-length': String(glb.length) } }), { onProgress: (loaded, total) => seen.push([loaded, total]) });
+  assert.ok(person.splatCount > 0);
+  assert.deepEqual(seen.at(-1), [glb.length, glb.length]);
+});
+
+test('wrong calls are errors, and the person lives', async () => {
+  const person = await load();
+  const camera = person.lookAt(SHOTS[0]), identity = person.joints.flatMap(() => [0, 0, 0, 1]);
+  await fails(() => person.setPose([0, 0, 0, 1]), 'DPL_ERROR_INVALID_ARGUMENT', /4 for each/);
+  await fails(() => person.setPose(identity.map((v, i) => i === 7 ? NaN : v)), 'DPL_ERROR_INVALID_ARGUMENT', /./);
+  await fails(() => person.setClip('dance', 0), 'DPL_ERROR_NOT_FOUND', /walk, moves/);
+  await fails(() => person.setClip(99, 0), 'DPL_ERROR_NOT_FOUND', /./);
+  await fails(() => person.setClip(0, NaN), 'DPL_ERROR_INVALID_ARGUMENT', /./);
+  await fails(() => person.draw({ ...camera, width: 0 }), 'DPL_ERROR_INVALID_ARGUMENT', /1 to 8192/);
+  await fails(() => person.draw({ ...camera, width: 1e9 }), 'DPL_ERROR_INVALID_ARGUMENT', /1 to 8192/);
+  await fails(() => person.draw({ ...camera, fx: NaN }), 'DPL_ERROR_INVALID_ARGUMENT', /./);
+  await fails(() => person.draw({ ...camera, viewFromWorld: [] }), 'DPL_ERROR_INVALID_ARGUMENT', /12 numbers/);
+  await fails(() => person.setTransform([1, 2, 3]), 'DPL_ERROR_INVALID_ARGUMENT', /12 are needed/);
+  await fails(() => person.lookAt({ ...SHOTS[0], eye: SHOTS[0].target }), 'DPL_ERROR_INVALID_ARGUMENT', /./);
+  await fails(() => person.loadClip(Buffer.from('HIERARCHY nothing')), 'DPL_ERROR_CORRUPT_DATA', /./);
+  person.draw(camera);
+});
+
+test('memory that is refused is an error of that person alone', async () => {
+  await fails(() => load(glb, { memoryLimit: 6 << 20 }), 'DPL_ERROR_OUT_OF_MEMORY', /memory/);
+  const person = await load();
+  person.draw(person.lookAt(SHOTS[0]));
+});
+
+test('many pictures take no more memory', async t => {
+  const memories = [];
+  const Memory = WebAssembly.Memory;
+  WebAssembly.Memory = class extends Memory { constructor(...values) { super(...values); memories.push(this); } };
+  const person = await load();
+  WebAssembly.Memory = Memory;
+  const camera = person.lookAt({ ...SHOTS[0], width: 60, height: 100 });
+  let warm = 0;
+  for (let i = 0; i < 60; ++i) {
+    person.setClip(0, i / 30);
+    person.draw(camera);
+    if (i === 10) warm = memories[0].buffer.byteLength;
+  }
+  assert.equal(memories[0].buffer.byteLength, warm);
+  t.diagnostic(`${(warm / 1048576).toFixed(1)} MB of memory for a file of ${(glb.length / 1048576).toFixed(1)} MB`);
+});

@@ -1,0 +1,129 @@
+// SPDX-License-Identifier: Apache-2.0
+// Runs in the browser: draws SHOTS and tries <doppel-avatar>, and sends what it found to the server of browser_test.mjs.
+import { Doppel } from '../../platform/web/doppel.js';
+import '../../platform/web/doppel-avatar.js';
+import { SHOTS } from './shots.mjs';
+
+const MODULE = '/module/doppel.wasm', PERSON = '/work/person.glb';
+const LIMIT_MS = 600000;
+const post = (path, body) => fetch(path, { method: 'POST', body });
+const found = {};
+
+const happens = (target, type) => new Promise((done, fail) => {
+  target.addEventListener(type, event => done(event.detail), { once: true });
+  setTimeout(() => fail(new Error(`no event ${type}`)), LIMIT_MS);
+});
+const becomes = async (what, ready) => {
+  const end = performance.now() + LIMIT_MS;
+  while (!ready()) {
+    if (performance.now() > end) throw new Error(`never: ${what}`);
+    await new Promise(requestAnimationFrame);
+  }
+};
+function element(attributes) {
+  const made = document.createElement('doppel-avatar');
+  for (const [name, value] of Object.entries({ module: MODULE, ...attributes })) made.setAttribute(name, value);
+  document.querySelector('main').append(made);
+  return made;
+}
+const canvasOf = made => made.shadowRoot.querySelector('canvas');
+function pixels(made) {
+  const canvas = canvasOf(made);
+  return canvas.getContext('2d').getImageData(0, 0, canvas.width, canvas.height).data;
+}
+const opaque = data => data.filter((value, i) => i % 4 === 3 && value > 200).length;
+const differ = (a, b) => a.length !== b.length || a.some((value, i) => Math.abs(value - b[i]) > 40);
+
+async function pictures() {
+  const started = performance.now();
+  const person = await Doppel.load(PERSON, { module: MODULE });
+  found.loadMs = performance.now() - started;
+  for (const shot of SHOTS) {
+    if (shot.clip >= 0) person.setClip(shot.clip, shot.time);
+    await post(`/picture/${shot.name}.rgba`, person.draw(person.lookAt(shot)));
+  }
+  const times = [], camera = person.lookAt({ ...SHOTS[0], width: 480, height: 640 });
+  for (let i = 0; i < 20; ++i) {
+    const t = performance.now();
+    person.setClip(0, i / 30);
+    person.draw(camera);
+    times.push(performance.now() - t);
+  }
+  found.frameMs = times.sort((a, b) => a - b)[10];
+  person.dispose();
+}
+
+async function theElement() {
+  const shown = element({ src: PERSON, autoplay: '', 'camera-controls': '', alt: 'a person' });
+  const steps = [];
+  for (const type of ['progress', 'load', 'first-picture']) shown.addEventListener(type, () => { if (!steps.includes(type)) steps.push(type); });
+  await happens(shown, 'first-picture');
+  found.events = steps;
+  found.opaque = opaque(pixels(shown));
+  await post('/picture/element.png', await new Promise(done => canvasOf(shown).toBlob(done)));
+  found.label = canvasOf(shown).getAttribute('aria-label');
+  const time = shown.currentTime;
+  await becomes('time goes on', () => shown.currentTime > time + 0.2);
+  shown.pause();
+  shown.currentTime = 0.5;
+  await becomes('a whole picture that stands', () => canvasOf(shown).width === Math.round(300 * Math.min(2, devicePixelRatio)));
+  const before = pixels(shown);
+  canvasOf(shown).dispatchEvent(new KeyboardEvent('keydown', { key: 'ArrowLeft', bubbles: true }));
+  await becomes('a turned picture', () => differ(before, pixels(shown)));
+  const turned = pixels(shown), at = (type, x, id = 1) => canvasOf(shown).dispatchEvent(new PointerEvent(type, { pointerId: id, clientX: x, clientY: 50 }));
+  canvasOf(shown).setPointerCapture = () => {};  // the browser knows no such pointer
+  at('pointerdown', 50);
+  at('pointermove', 120);
+  at('pointerup', 120);
+  await becomes('a dragged picture', () => differ(turned, pixels(shown)));
+  const whole = opaque(pixels(shown));
+  canvasOf(shown).dispatchEvent(new WheelEvent('wheel', { deltaY: -300, cancelable: true }));
+  await becomes('a nearer picture', () => opaque(pixels(shown)) > 1.3 * whole);
+  shown.style.width = '200px';
+  await becomes('a narrower picture', () => canvasOf(shown).width === Math.round(200 * Math.min(2, devicePixelRatio)));
+  shown.remove();
+  found.disposed = shown.person === null;
+  document.querySelector('main').append(shown);
+  await happens(shown, 'first-picture');
+  shown.remove();
+}
+
+async function failures() {
+  const gone = element({ src: '/work/none.glb', poster: '/poster.svg' });
+  found.missing = await happens(gone, 'error');
+  const poster = gone.shadowRoot.querySelector('img');
+  found.poster = !poster.hidden && canvasOf(gone).style.visibility === 'hidden';
+  gone.setAttribute('src', '/tests/page.html');
+  found.foreign = await happens(gone, 'error');
+  gone.setAttribute('src', PERSON);
+  gone.setAttribute('clip', '<img src=x onerror=alert(1)>');
+  found.clip = await happens(gone, 'error');
+  gone.setAttribute('clip', '1');
+  gone.setAttribute('src', `${PERSON}?again`);
+  await happens(gone, 'first-picture');
+  const removed = element({ src: PERSON });
+  let said = false;
+  for (const type of ['load', 'error']) removed.addEventListener(type, () => { said = true; });
+  removed.remove();
+  await fetch(PERSON).then(response => response.arrayBuffer());
+  found.silentAfterRemoval = !said && removed.person === null;
+  found.tags = [...new Set([...gone.shadowRoot.querySelectorAll('*')].map(node => node.localName))].sort();
+  gone.remove();
+}
+
+async function several() {
+  const all = Array.from({ length: 3 }, (_, i) => element({ src: PERSON, clip: String(i % 2) }));
+  await Promise.all(all.map(one => happens(one, 'first-picture')));
+  found.several = all.every(one => opaque(pixels(one)) > 500);
+  for (const one of all) one.remove();
+}
+
+try {
+  await pictures();
+  await theElement();
+  await failures();
+  await several();
+} catch (error) {
+  found.thrown = `${error.message}\n${error.stack}`;
+}
+await post('/found', JSON.stringify(found));

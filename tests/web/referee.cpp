@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: Apache-2.0
+// web_referee AVATAR: what the module must draw, by dplRender on this machine's CPU. Reads shots from stdin, one a line:
+//   clip time eyeX eyeY eyeZ targetX targetY targetZ fovYRad width height file
+// clip -1: rest. Each picture goes to its file: 4 bytes a pixel, premultiplied, top row first.
+#include <doppel/doppel_convert.h>
+
+#include <cstdio>
+#include <iostream>
+#include <string>
+#include <vector>
+
+namespace {
+
+int complain(const std::string& what) {
+    std::fprintf(stderr, "web_referee: %s: %s\n", what.c_str(), dplGetLastError());
+    return 1;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+    if (argc != 2) {
+        std::fprintf(stderr, "usage: web_referee AVATAR < SHOTS\n");
+        return 2;
+    }
+    DplContextInfo info{};
+    info.structSize = sizeof info;
+    info.renderer = DPL_RENDERER_SOFTWARE;
+    DplContext context = nullptr;
+    if (dplCreateContext(&info, &context) != DPL_OK) return complain("no context");
+    DplAvatar avatar = nullptr;
+    if (dplLoadAvatarFile(context, argv[1], &avatar) != DPL_OK) return complain(argv[1]);
+    int clip = 0;
+    double timeS = 0;
+    float eye[3], target[3], fovYRad = 0;
+    uint32_t width = 0, height = 0;
+    std::string file;
+    while (std::cin >> clip >> timeS >> eye[0] >> eye[1] >> eye[2] >> target[0] >> target[1] >> target[2] >> fovYRad >> width >> height >>
+           file) {
+        if (clip >= 0 && dplSetPoseFromClip(avatar, uint32_t(clip), timeS, DPL_TRUE) != DPL_OK) return complain(file);
+        const float up[3] = {0, 1, 0};
+        DplCamera camera{};
+        camera.structSize = sizeof camera;
+        if (dplCameraLookAt(eye, target, up, fovYRad, width, height, &camera) != DPL_OK) return complain(file);
+        std::vector<uint8_t> rgba(size_t(width) * height * 4);
+        DplImage image{};
+        image.structSize = sizeof image;
+        image.rgba = rgba.data(), image.rgbaBytes = rgba.size();
+        if (dplRender(context, avatar, &camera, 1, &image) != DPL_OK) return complain(file);
+        std::FILE* out = std::fopen(file.c_str(), "wb");
+        if (!out || std::fwrite(rgba.data(), 1, rgba.size(), out) != rgba.size() || std::fclose(out) != 0) {
+            std::fprintf(stderr, "web_referee: cannot write %s\n", file.c_str());
+            return 1;
+        }
+    }
+    dplDestroyContext(context);
+    return 0;
+}
