@@ -67,7 +67,8 @@ private class ApiTest(private val work: Path) {
                 val shadow = avatar.contactShadow()
                 expect(shadow.alpha.size == 4096 && shadow.darkest == 0 && abs(shadow.corner[1]) < 1e-6f, "feet in the air cast no shadow")
                 val turned = kotlin.math.sqrt(0.5f)
-                avatar.setPose(floatArrayOf(turned, 0f, 0f, turned, 0f, 0f, 0f, 1f)) // the square lies at a height of 1, and of half in the world
+                // The square lies at a height of 1, and of half in the world.
+                avatar.setPose(floatArrayOf(turned, 0f, 0f, turned, 0f, 0f, 0f, 1f))
                 expect(avatar.contactShadow(0.5f).darkest > 200, "what lies on the floor does")
             }
         }

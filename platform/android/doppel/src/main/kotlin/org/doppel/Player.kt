@@ -2,8 +2,8 @@
 package org.doppel
 
 /**
- * How [Player.play] plays a clip. [speed]: of the clip's own time; below 0: backwards. [fadeS]: seconds within which it takes over from what
- * played before; 0: at once. [fromS]: where it starts. [loop]: otherwise it holds its last pose. [travel]: recorded walks go on from where
+ * How [Player.play] plays a clip. [speed]: of the clip's own time; below 0: backwards. [fadeS]: seconds within which it takes over from
+ * what played before; 0: at once. [fromS]: where it starts. [loop]: otherwise it holds its last pose. [travel]: recorded walks go on from where
  * the person stands, in each round and from clip to clip.
  */
 class Playback @JvmOverloads constructor(
@@ -22,7 +22,14 @@ class Playback @JvmOverloads constructor(
  */
 class Player @JvmOverloads constructor(private val joint: Int = 0) {
     /** A clip that plays, or silence that fades in. Times are those of the player's clock, which stands still in a pause. */
-    private class Voice(val layer: ClipLayer?, val startS: Double, val fadeS: Double, var fromS: Double, var sinceS: Double, var speed: Double) {
+    private class Voice(
+        val layer: ClipLayer?,
+        val startS: Double,
+        val fadeS: Double,
+        var fromS: Double,
+        var sinceS: Double,
+        var speed: Double
+    ) {
         fun timeS(clock: Double) = fromS + (clock - sinceS) * speed
         fun share(clock: Double): Double {
             val t = if (fadeS > 0) (clock - startS) / fadeS else 1.0
