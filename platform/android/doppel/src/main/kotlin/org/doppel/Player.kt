@@ -3,8 +3,8 @@ package org.doppel
 
 /**
  * How [Player.play] plays a clip. [speed]: of the clip's own time; below 0: backwards. [fadeS]: seconds within which it takes over from
- * what played before; 0: at once. [fromS]: where it starts. [loop]: otherwise it holds its last pose. [travel]: recorded walks go on from where
- * the person stands, in each round and from clip to clip.
+ * what played before; 0: at once. [fromS]: where it starts. [loop]: otherwise it holds its last pose. [travel]: recorded walks go on from
+ * where the person stands, in each round and from clip to clip.
  */
 class Playback @JvmOverloads constructor(
     val speed: Double = 1.0,
