@@ -61,9 +61,11 @@ void addReconstructCommand(CLI::App& app, CommandRun& run) {
             nlohmann::json stages = nlohmann::json::array();
             for (const StageRecord& s : result->stages)
                 stages.push_back({{"name", s.name}, {"seconds", s.seconds}, {"peakBytes", s.peakBytes}, {"reused", s.reused}});
-            return talk->succeed(result->summary + formatText("\nThe avatar is {}. Open {} to see it beside your pictures.",
-                                                              result->avatar.string(), result->report.string()),
-                                 {{"avatar", result->avatar.string()},
+            return talk->succeed((talk->verbose ? result->summary + "\n\n" : "") + result->words +
+                                     formatText("\n{}: {} is done. Open {} to see it and what to film again.", result->word,
+                                                result->avatar.string(), result->report.string()),
+                                 {{"word", result->word},
+                                  {"avatar", result->avatar.string()},
                                   {"poses", result->poses.string()},
                                   {"report", result->report.string()},
                                   {"figures", (options->out / "report.json").string()},

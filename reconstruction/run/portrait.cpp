@@ -15,6 +15,8 @@ namespace {
 
 constexpr double kHeightPx = 960;  // sharp on a phone, which shows it about 380 points high at up to 3 pixels a point
 constexpr double kMaxWidthPx = 960;
+constexpr double kSmallHeightPx = 240;
+constexpr int kJpegQuality = 85;
 constexpr double kMargin = 0.04;   // of the longer side, beyond the mesh, whose splats reach past it
 constexpr double kNearestM = 0.1;  // a vertex nearer than this, or behind the camera, has no useful place in the picture
 
@@ -81,7 +83,10 @@ Result<Portrait> drawPortrait(const Scan& scan, std::span<const Camerad> cameras
         if (!camera) continue;
         DPL_TRY(const auto rgba, view.draw(pose, *camera));
         DPL_TRY(auto png, encodePng(overWhite(rgba), camera->widthPx, camera->heightPx, 3));
-        return Portrait{std::move(png), scan.frames[f].name};
+        const Camerad small = camera->scaled(std::min(1.0, kSmallHeightPx / camera->heightPx));
+        DPL_TRY(auto jpeg, encodeJpeg(overWhite(areaAveraged(rgba, camera->widthPx, camera->heightPx, small.widthPx, small.heightPx)),
+                                      small.widthPx, small.heightPx, 3, kJpegQuality));
+        return Portrait{std::move(png), std::move(jpeg), scan.frames[f].name};
     }
     return Portrait{};
 }

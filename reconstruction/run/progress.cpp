@@ -8,6 +8,7 @@
 #include <csignal>
 #include <cstdio>
 
+#include "reconstruction/run/stage_words.h"
 #include "sdk/core/result.h"
 
 namespace dpl {
@@ -37,10 +38,10 @@ void Progress::clearLine() {
 }
 
 void Progress::beginStage(std::string_view name) {
-    stage_ = name;
+    stage_ = style_ == Style::Verbose ? name : wordsOfStage(name);
     stageStart_ = lastDrawn_ = Clock::now();
     if (style_ == Style::Quiet || !terminal_) return;
-    std::fprintf(stderr, "  %-14s ...", stage_.c_str());
+    std::fprintf(stderr, "  %-19s ...", stage_.c_str());
     lineOpen_ = true;
 }
 
@@ -57,7 +58,7 @@ void Progress::update(double fraction, std::string_view detail) {
     std::string bar(kCells, '.');
     std::fill_n(bar.begin(), int(fraction * kCells), '#');
     clearLine();
-    std::fprintf(stderr, "  %-14s [%s] %3.0f %%  %s  %.*s%s", stage_.c_str(), bar.c_str(), fraction * 100, left.c_str(), int(detail.size()),
+    std::fprintf(stderr, "  %-19s [%s] %3.0f %%  %s  %.*s%s", stage_.c_str(), bar.c_str(), fraction * 100, left.c_str(), int(detail.size()),
                  detail.data(), terminal_ ? "" : "\n");
     std::fflush(stderr);
     lineOpen_ = terminal_;
@@ -67,7 +68,7 @@ void Progress::endStage(std::string_view summary) {
     clearLine();
     if (style_ == Style::Quiet) return;
     const double elapsed = std::chrono::duration<double>(Clock::now() - stageStart_).count();
-    std::fprintf(stderr, "  %-14s %s  (%s)\n", stage_.c_str(), std::string(summary).c_str(), duration(elapsed).c_str());
+    std::fprintf(stderr, "  %-19s %s  (%s)\n", stage_.c_str(), std::string(summary).c_str(), duration(elapsed).c_str());
 }
 
 void Progress::note(std::string_view line) {

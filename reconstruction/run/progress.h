@@ -17,6 +17,7 @@ public:
     enum class Style { Usual, Quiet, Verbose };
     explicit Progress(Style style = Style::Usual);
 
+    /** Shows wordsOfStage(name), and the name itself if the style is Verbose. */
     void beginStage(std::string_view name);
     /** fraction in [0,1]; `detail` is short ("step 300 of 2000, 23.1 dB"). Cheap enough for every step. */
     void update(double fraction, std::string_view detail = {});

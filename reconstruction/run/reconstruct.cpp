@@ -3,6 +3,7 @@
 
 #include "reconstruction/base/folder_lock.h"
 #include "reconstruction/judging/ladder/true_mesh.h"
+#include "reconstruction/judging/report/report.h"
 #include "reconstruction/run/cameras_file.h"
 #include "reconstruction/run/import_scan.h"
 #include "reconstruction/run/output_claim.h"
@@ -43,6 +44,17 @@ Result<const MappedBody*> mapAndTell(Run& run) {
     return mapped;
 }
 
+/** Leaves a page that says how to go on, for who looks before the run ends or after it was stopped. A page that is there stays. */
+Status tellUnfinished(Run& run, const MappedBody& mapped) {
+    const std::filesystem::path page = run.chain().outFolder() / "report.html";
+    std::error_code error;
+    if (std::filesystem::exists(page, error)) return {};
+    DPL_TRY(const FrameTable* table, run.get<FrameTable>());
+    FilmAgainSection filmAgain{mapped.advice, {}, {}, {}, {}};
+    for (const auto& [key, sentence] : shotsOf(mapped)) filmAgain.cards.push_back({sentence, {}});
+    return writeFileAtomically(page, unfinishedHtml("Doppel: " + table->scan.name, filmAgain));
+}
+
 /** Leaves the cameras that the scan does not have beside the poses; removes those of an earlier run. */
 Status writeCameras(const FrameTable& table, const std::filesystem::path& path) {
     if (table.camerasFound) return writeFileAtomically(path, camerasToJson(camerasOf(table.scan)));
@@ -75,9 +87,10 @@ Result<T> withRun(const ReconstructOptions& options, Progress& progress, const s
 
 Result<ReconstructResult> completeRun(Run& run) {
     const std::filesystem::path out = run.chain().outFolder();
-    ReconstructResult result{out / "avatar.glb", out / "poses.json", out / "report.html", "", {}};
+    ReconstructResult result{out / "avatar.glb", out / "poses.json", out / "report.html", "", "", "", {}};
     DPL_TRY(const MappedBody* mapped, mapAndTell(run));
     run.progress().note(withoutLastBreak(mapped->advice));
+    DPL_RETURN_IF_ERROR(tellUnfinished(run, *mapped));
     DPL_RETURN_IF_ERROR(run.get<GarmentLayers>());
     DPL_TRY(const Package* package, run.get<Package>());
     DPL_RETURN_IF_ERROR(writeFileAtomically(result.avatar, package->bytes));
@@ -88,11 +101,15 @@ Result<ReconstructResult> completeRun(Run& run) {
     DPL_TRY(const FrameTable* table, run.get<FrameTable>());
     DPL_RETURN_IF_ERROR(writeCameras(*table, camerasBeside(result.poses)));
     DPL_TRY(const ReportFiles* report, run.get<ReportFiles>());
-    for (const char* name : {"report.html", "report.json"}) {
+    for (const char* name : {"report.html", "report.json", "portrait.jpg"}) {
         DPL_TRY(const auto bytes, readFile(report->folder / name));
-        DPL_RETURN_IF_ERROR(writeFileAtomically(out / name, bytes));
+        std::error_code ignored;
+        if (bytes.empty())
+            std::filesystem::remove(out / name, ignored);  // of an earlier run
+        else
+            DPL_RETURN_IF_ERROR(writeFileAtomically(out / name, bytes));
     }
-    result.summary = report->summary;
+    result.word = report->word, result.words = report->words, result.summary = report->summary;
     result.stages = run.chain().records();
     return result;
 }

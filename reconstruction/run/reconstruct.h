@@ -51,7 +51,9 @@ struct ReconstructResult {
     std::filesystem::path avatar;     // OUT/avatar.glb
     std::filesystem::path poses;      // OUT/poses.json
     std::filesystem::path report;     // OUT/report.html
-    std::string summary;              // a few lines for the terminal
+    std::string word;                 // what it is worth (docs/reference/metrics.md)
+    std::string words;                // the same in a few sentences
+    std::string summary;              // figures, lines for the terminal
     std::vector<StageRecord> stages;  // in the order of their runs
 };
 

@@ -12,6 +12,7 @@
 #include <cstdio>
 #include <fstream>
 
+#include "reconstruction/run/stage_words.h"
 #include "sdk/core/files.h"
 
 namespace dpl {
@@ -152,7 +153,7 @@ Result<StageOutput> StageChain::run(const std::string& name, uint32_t version, c
         damage = damageIn(folder, manifest);
     else if (!isManifest(manifest) && fs::is_directory(folder, ignored))
         damage = (folder / "manifest.json").string() + " is missing or damaged";
-    if (!damage.empty()) progress_.note(formatText("{} runs again: {}", name, damage));
+    if (!damage.empty()) progress_.note(formatText("{} runs again: {}", wordsOfStage(name), damage));
     if (made && damage.empty()) {
         records_.push_back({name, numberField(manifest, "seconds"), uint64_t(std::max(0.0, numberField(manifest, "peakBytes"))), true});
         progress_.endStage("up to date");
@@ -172,7 +173,7 @@ Result<StageOutput> StageChain::run(const std::string& name, uint32_t version, c
     StageContext context{workFolder, progress_};
     ShownTask task(progress_);
     const TaskScope scope(&task);
-    if (Status done = work(context); !done) return fail(done.error().code, "{}: {}", name, done.error().message);
+    if (Status done = work(context); !done) return fail(done.error().code, "{}: {}", wordsOfStage(name), done.error().message);
     const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     const uint64_t peakBytes = peakMemoryBytes();
 

@@ -35,6 +35,12 @@ ordered_json figuresJson(const FilmAgain& advice) {
 
 }  // namespace
 
+std::vector<std::pair<std::string, std::string>> shotsOf(const MappedBody& mapped) {
+    std::vector<std::pair<std::string, std::string>> shots;
+    for (const auto& shot : mapped.figures["film_again"]) shots.emplace_back(shot.value("shot", ""), shot.value("sentence", ""));
+    return shots;
+}
+
 Status StageOf<MappedBody>::inputs(StageInputs& in) {
     DPL_TRY(const FrameTable* table, in.part<FrameTable>());
     DPL_TRY([[maybe_unused]] const MetricCameras* cameras, in.part<MetricCameras>());

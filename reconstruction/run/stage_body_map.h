@@ -16,6 +16,9 @@ struct MappedBody {
     CaptureMapData capture;                      // for the avatar's file
 };
 
+/** Key and sentence of each shot to film again, the most helpful first. */
+std::vector<std::pair<std::string, std::string>> shotsOf(const MappedBody& mapped);
+
 template <>
 struct StageOf<MappedBody> {
     static constexpr StageName kName{"body-map", 4};

@@ -14,6 +14,7 @@
 #include "reconstruction/run/film_memory.h"
 #include "reconstruction/run/frame_scores.h"
 #include "reconstruction/run/portrait.h"
+#include "reconstruction/run/report_pictures.h"
 #include "reconstruction/run/scale_figures.h"
 #include "reconstruction/run/settings_json.h"
 #include "reconstruction/run/stage_body_fit.h"
@@ -145,23 +146,29 @@ void addLight(ReportData& data) {
 }
 
 FilmAgainSection filmAgainSection(const FrameTable& table, const MappedBody& mapped) {
-    FilmAgainSection section{mapped.advice, {}, {}, mapped.pictures};
+    FilmAgainSection section{mapped.advice, {}, {}, {}, mapped.pictures};
     const auto check = nlohmann::json::parse(table.check, nullptr, /*allow_exceptions=*/false);
     if (check.is_object() && check.contains("findings"))
         for (const auto& finding : check["findings"]) section.warnings.push_back(finding.value("sentence", ""));
     for (const auto& p : mapped.figures["places"])
-        section.rows.push_back({p.value("name", ""), p.value("mm_per_pixel", 0.0), p.value("finest_detail_mm", 0.0),
+        section.rows.push_back({p.value("place", ""), p.value("name", ""), p.value("mm_per_pixel", 0.0), p.value("finest_detail_mm", 0.0),
                                 p.value("blur_px", 0.0), p.value("pictures", 0.0), p.value("not_seen", 0.0)});
     return section;
 }
 
+/** What it is worth, for who filmed. */
+std::string wordsOf(const ReportData& data) {
+    std::string text = verdictSentence(data);
+    if (const std::string draft = draftSentence(data); !draft.empty()) text += "\n" + draft;
+    return text;
+}
+
+/** What was measured, for engineers. */
 std::string summaryOf(const ReportData& data, size_t splats, size_t bytes) {
-    std::string text = data.filmAgain.advice + formatText("{} splats, {} bytes", splats, bytes);
+    std::string text = formatText("{} splats, {} bytes", splats, bytes);
     text += scoreLines(data.frames, "held-out") + scoreLines(data.validation, "validation");
     if (const std::string bars = barSummary(data); !bars.empty()) text += "\n" + bars;
     for (const std::string& sentence : data.provenance) text += "\n" + sentence;
-    text += "\n\n" + verdictSentence(data);
-    if (const std::string draft = draftSentence(data); !draft.empty()) text += "\n" + draft;
     return text;
 }
 
@@ -223,6 +230,7 @@ Status StageOf<ReportFiles>::make(StageInputs& in, StageContext& context) {
     DPL_TRY(AvatarInfo info, inspectAvatar(package->bytes));
     ReportData data;
     data.title = "Doppel: " + table->scan.name;
+    data.avatarFile = "avatar.glb";
     data.facts = {{"scan", table->scan.root.filename().string() + ", " + table->scanHash},
                   {"body", body->shaped.name},
                   {"training", formatText("{} steps, at most {} splats; polish {} steps, pose fit {}",
@@ -237,6 +245,9 @@ Status StageOf<ReportFiles>::make(StageInputs& in, StageContext& context) {
     data.length = {training->steps, settingsOf({}).training.steps};
     DPL_TRY(auto view, AvatarView::open(package->bytes, in.jobs().threadCount()));
     DPL_TRY(data.portrait, drawPortrait(table->scan, metric->cameras, found, avatar, view, in.jobs()));
+    const FilmedAvatar filmed{*table, metric->cameras, found, avatar};
+    DPL_TRY(data.filmAgain.cards, drawAdvice(filmed, view, shotsOf(*mapped)));
+    DPL_TRY(data.clips, drawClips(filmed, view));
     DPL_TRY(const LabelColours labelColours, gatherLabelColours(*table));
     const std::vector<Pose> poses = found.poses();
     const FrameSet heldOut = table->frames(Split::Test, metric->cameras, poses);
@@ -291,12 +302,19 @@ Status StageOf<ReportFiles>::make(StageInputs& in, StageContext& context) {
     addLight(data);
     data.evidence = avatar.evidence;
     DPL_RETURN_IF_ERROR(writeFileAtomically(context.folder / "summary.txt", summaryOf(data, avatar.splats.count(), package->bytes.size())));
+    DPL_RETURN_IF_ERROR(writeFileAtomically(context.folder / "words.txt", wordsOf(data)));
+    DPL_RETURN_IF_ERROR(writeFileAtomically(context.folder / "word.txt", std::string(wordOf(worthOf(data)))));
+    DPL_RETURN_IF_ERROR(writeFileAtomically(context.folder / "portrait.jpg", data.portrait.small));
     return writeReport(data, context.folder);
 }
 
 Result<ReportFiles> StageOf<ReportFiles>::read(StageInputs&, const std::filesystem::path& folder) {
-    DPL_TRY(const auto summary, readFile(folder / "summary.txt"));
-    return ReportFiles{folder, std::string(summary.begin(), summary.end())};
+    ReportFiles files{folder, {}, {}, {}};
+    for (const auto& [name, text] : {std::pair{"summary.txt", &files.summary}, {"words.txt", &files.words}, {"word.txt", &files.word}}) {
+        DPL_TRY(const auto bytes, readFile(folder / name));
+        text->assign(bytes.begin(), bytes.end());
+    }
+    return files;
 }
 
 }  // namespace dpl

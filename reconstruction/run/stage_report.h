@@ -7,15 +7,17 @@
 
 namespace dpl {
 
-/** report.html and report.json in the stage's folder. */
+/** report.html, report.json and portrait.jpg (empty: no picture) in the stage's folder. */
 struct ReportFiles {
     std::filesystem::path folder;
-    std::string summary;  // lines for the terminal
+    std::string summary;  // figures, lines for the terminal
+    std::string words;    // sentences for who filmed
+    std::string word;     // "Good", "Usable", "Film again"
 };
 
 template <>
 struct StageOf<ReportFiles> {
-    static constexpr StageName kName{"report", 15};
+    static constexpr StageName kName{"report", 16};
     static constexpr const char* kPriors[] = {"input/cameras",   "input/capture",        "subject/body",    "subject/garments",
                                               "subject/surface", "training/correctives", "training/trainer"};
     static Status inputs(StageInputs& in);

@@ -4,7 +4,9 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <optional>
 
+#include "reconstruction/judging/coach/shots.h"
 #include "reconstruction/subject/surface/orbit_camera.h"
 #include "sdk/core/percentile.h"
 #include "sdk/math/skinning.h"
@@ -178,6 +180,33 @@ private:
     }
 };
 
+const PosedPicture* firstFullBody(std::span<const PosedPicture> pictures) {
+    const auto usual = std::find_if(pictures.begin(), pictures.end(), [](const PosedPicture& p) { return !p.closeUp; });
+    return usual == pictures.end() ? nullptr : &*usual;
+}
+
+std::optional<Imagination> imagine(const MeshData& surface, std::span<const JointData> joints, std::span<const BodyPlace> places,
+                                   std::span<const PosedPicture> pictures) {
+    const PosedPicture* usual = firstFullBody(pictures);
+    if (!usual || surface.triangles.empty()) return std::nullopt;
+    return Imagination(surface, joints, places, *usual);
+}
+
+/** All shots with their cameras; nothing looks through those yet. */
+std::vector<ImaginedShot> plan(const Imagination& imagination, std::span<const PosedPicture> pictures) {
+    std::vector<double> distances, elevations;
+    for (const PosedPicture& p : pictures) {
+        if (p.closeUp) continue;
+        const Vec3d way = imagination.wayTo(p.camera.eye());
+        distances.push_back(glm::length(way));
+        elevations.push_back(std::asin(std::clamp(way.y / std::max(1e-9, glm::length(way)), -0.9, 0.9)));
+    }
+    std::vector<ImaginedShot> shots = imagination.walks(percentile(distances, 0.5), percentile(elevations, 0.5));
+    for (const CloseUpKind& kind : closeUpKinds())
+        if (ImaginedShot shot = imagination.closeUp(kind); !shot.cameras.empty()) shots.push_back(std::move(shot));
+    return shots;
+}
+
 }  // namespace
 
 double ImaginedShot::typicalPixelM() const {
@@ -189,21 +218,20 @@ double ImaginedShot::typicalPixelM() const {
 
 std::vector<ImaginedShot> imagineShots(const MeshData& surface, std::span<const JointData> joints, std::span<const BodyPlace> places,
                                        std::span<const PosedPicture> pictures, Jobs& jobs) {
-    const auto usual = std::find_if(pictures.begin(), pictures.end(), [](const PosedPicture& p) { return !p.closeUp; });
-    if (usual == pictures.end() || surface.triangles.empty()) return {};
-    const Imagination imagination(surface, joints, places, *usual);
-    std::vector<double> distances, elevations;
-    for (const PosedPicture& p : pictures) {
-        if (p.closeUp) continue;
-        const Vec3d way = imagination.wayTo(p.camera.eye());
-        distances.push_back(glm::length(way));
-        elevations.push_back(std::asin(std::clamp(way.y / std::max(1e-9, glm::length(way)), -0.9, 0.9)));
-    }
-    std::vector<ImaginedShot> shots = imagination.walks(percentile(distances, 0.5), percentile(elevations, 0.5));
-    for (const CloseUpKind& kind : closeUpKinds())
-        if (ImaginedShot shot = imagination.closeUp(kind); !shot.cameras.empty()) shots.push_back(std::move(shot));
-    jobs.forBlocks(shots.size(), [&](size_t i, uint32_t) { imagination.look(shots[i]); });
+    const std::optional<Imagination> imagination = imagine(surface, joints, places, pictures);
+    if (!imagination) return {};
+    std::vector<ImaginedShot> shots = plan(*imagination, pictures);
+    jobs.forBlocks(shots.size(), [&](size_t i, uint32_t) { imagination->look(shots[i]); });
     return shots;
+}
+
+std::optional<Camerad> cameraOfShot(std::string_view key, const MeshData& surface, std::span<const JointData> joints,
+                                    std::span<const BodyPlace> places, std::span<const PosedPicture> pictures) {
+    const std::optional<Imagination> imagination = imagine(surface, joints, places, pictures);
+    if (!imagination) return std::nullopt;
+    for (const ImaginedShot& shot : plan(*imagination, pictures))
+        if (shot.key == key) return shot.cameras[shot.cameras.size() / 2];
+    return std::nullopt;
 }
 
 }  // namespace dpl

@@ -25,7 +25,7 @@ struct ImaginedShot {
 
 /** The subject stands as in the first full-body picture, and the camera is that picture's. Sides and heights are those of the subject; the
  *  world may have any up. Walks keep the usual distance of the full-body pictures, or come nearer when the person fills less than 60 % of
- *  their height. No full-body picture: no shots. */
+ *  their height. No full-body picture: no shots. Reads the pictures' cameras and poses alone. */
 std::vector<ImaginedShot> imagineShots(const MeshData& surface, std::span<const JointData> joints, std::span<const BodyPlace> places,
                                        std::span<const PosedPicture> pictures, Jobs& jobs);
 

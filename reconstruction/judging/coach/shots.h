@@ -2,7 +2,9 @@
 // The coach: which shots would improve the body map most, in words that a person can follow (docs/reference/body-map.md, "Shots").
 #pragma once
 
+#include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "reconstruction/judging/coach/body_map.h"
@@ -36,6 +38,11 @@ struct FilmAgain {
  *  taken. `map`: of the surface, with one place a triangle. No pictures: no shots. */
 FilmAgain bestShots(const MeshData& surface, std::span<const JointData> joints, std::span<const BodyPlace> places,
                     std::span<const SeenTriangle> map, std::span<const PosedPicture> pictures, Jobs& jobs);
+
+/** Where the camera stands in the middle of a shot of bestShots(), for a picture of it: in the world of the first full-body picture, with
+ *  the subject in its pose. nullopt: no shot has this key, or no picture shows the whole body. Reads no pixels. */
+std::optional<Camerad> cameraOfShot(std::string_view key, const MeshData& surface, std::span<const JointData> joints,
+                                    std::span<const BodyPlace> places, std::span<const PosedPicture> pictures);
 
 /** The advice as lines of text: a heading and one line a shot, or one line that says that nothing is needed. Ends with a line break. */
 std::string describeShots(const FilmAgain& advice);

@@ -1,20 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "reconstruction/judging/report/ladder_table.h"
 
-#include <cstdio>
 #include <nlohmann/json.hpp>
 
-#include "reconstruction/judging/report/html_table.h"
+#include "reconstruction/judging/report/html_parts.h"
 #include "reconstruction/judging/report/svg_plot.h"
 
 namespace dpl {
 namespace {
-
-std::string decimals(double value, int digits) {
-    char text[48];
-    std::snprintf(text, sizeof text, "%.*f", digits, value);
-    return text;
-}
 
 /** "18.42", or with the distance "18.42 (31 mm)"; a dash when the rung does not apply. */
 std::string cellText(const LadderCell& cell, const char* dash) {

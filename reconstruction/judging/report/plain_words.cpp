@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "reconstruction/judging/report/plain_words.h"
 
+#include <algorithm>
 #include <cctype>
 #include <iterator>
 #include <string_view>
@@ -16,15 +17,25 @@ struct Likeness {
     double fromDb;
     const char* words;
 };
+constexpr double kLikeDb = 20, kRecognisableDb = 16;
 constexpr Likeness kLikeness[] = {{24, "very close to the pictures"},
-                                  {20, "like the pictures, but softer"},
-                                  {16, "recognisable, but blurred or wrong in places"},
+                                  {kLikeDb, "like the pictures, but softer"},
+                                  {kRecognisableDb, "recognisable, but blurred or wrong in places"},
                                   {-1e9, "only roughly like the person"}};
 
 const char* likenessOf(double maskedPsnrDb) {
     for (const Likeness& l : kLikeness)
         if (maskedPsnrDb >= l.fromDb) return l.words;
     return kLikeness[std::size(kLikeness) - 1].words;  // not a number
+}
+
+// Shares of a place that no still picture shows. A quarter is a strip that can be smeared; of a half, that side was not filmed.
+constexpr double kSeenEnough = 0.25, kNotFilmed = 0.5;
+constexpr std::string_view kTrunkAndHead[] = {"face", "head", "chest", "back"};
+
+/** The pictures that the avatar was not made from. */
+const std::vector<HeldOutFrame>& judgesOf(const ReportData& data) {
+    return data.frames.empty() ? data.validation : data.frames;
 }
 
 /** What a part of the evidence is to the eye; the part's own name follows in brackets, for the table. */
@@ -42,8 +53,33 @@ std::string plainName(const std::string& part) {
 
 }  // namespace
 
+const char* const kWorthRule =
+    "Good: on the pictures that the avatar was not made from, standing still and moving each reach a mean masked PSNR of 20 dB, and no "
+    "still-picture gap hides more than a quarter of any place of the body. Film again: one of them stays below 16 dB, or more than half of "
+    "the face, the head, the chest or the back is in no still picture. Usable: all else, and an avatar without pictures to judge it by.";
+
+Worth worthOf(const ReportData& data) {
+    Worth worth = Worth::Good;
+    const auto atMost = [&worth](Worth other) { worth = std::max(worth, other); };  // the enumeration goes from good to bad
+    if (judgesOf(data).empty()) atMost(Worth::Usable);
+    for (const FrameKind kind : {FrameKind::StaticFull, FrameKind::Dynamic})
+        if (const auto mean = meanScore(judgesOf(data), kind, &HeldOutFrame::withPoseFit)) {
+            if (!(mean->maskedPsnrDb >= kLikeDb)) atMost(Worth::Usable);
+            if (!(mean->maskedPsnrDb >= kRecognisableDb)) atMost(Worth::FilmAgain);
+        }
+    for (const MapRow& row : data.filmAgain.rows) {
+        if (row.unseenShare > kSeenEnough) atMost(Worth::Usable);
+        if (row.unseenShare > kNotFilmed && std::ranges::find(kTrunkAndHead, row.key) != std::end(kTrunkAndHead)) atMost(Worth::FilmAgain);
+    }
+    return worth;
+}
+
+const char* wordOf(Worth worth) {
+    return worth == Worth::Good ? "Good" : worth == Worth::Usable ? "Usable" : "Film again";
+}
+
 std::string verdictSentence(const ReportData& data) {
-    const std::vector<HeldOutFrame>& judges = data.frames.empty() ? data.validation : data.frames;
+    const std::vector<HeldOutFrame>& judges = judgesOf(data);
     if (judges.empty()) return "No picture was kept back to judge the avatar by: look at it yourself before you use it.";
     struct Said {
         std::string when, words;

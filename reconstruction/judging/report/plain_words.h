@@ -9,6 +9,16 @@
 
 namespace dpl {
 
+/** What a run is worth, in a word. */
+enum class Worth : uint8_t { Good, Usable, FilmAgain };
+
+/** By kWorthRule. */
+Worth worthOf(const ReportData& data);
+/** "Good", "Usable", "Film again". */
+const char* wordOf(Worth worth);
+/** The rule by which worthOf() decides, in sentences. */
+extern const char* const kWorthRule;
+
 /** How the avatar looks beside the pictures that it was not made from, in one sentence. */
 std::string verdictSentence(const ReportData& data);
 

@@ -95,6 +95,7 @@ std::optional<FrameScore> meanScore(const std::vector<HeldOutFrame>& frames, Fra
 std::string reportJson(const ReportData& data) {
     ordered_json out;
     out["title"] = data.title;
+    out["word"] = wordOf(worthOf(data));
     out["in_words"] = verdictSentence(data);
     for (const auto& [name, value] : data.facts) out["facts"][name] = value;
     out["film_again"] = data.filmAgain.advice;

@@ -66,14 +66,21 @@ bool meetsBar(const ReportFigure& figure);
 
 /** One row of the body map (docs/reference/body-map.md): medians over a place of the body; 0 when no picture shows it. */
 struct MapRow {
-    std::string place;
+    std::string key, place;  // "left_hand", "the left hand"
     double pixelMm = 0, detailMm = 0, blurPx = 0, pictures = 0;
     double unseenShare = 0;  // share of its area that no still training picture shows
 };
 
+/** One piece of advice. */
+struct AdviceCard {
+    std::string sentence;       // "Film the left hand from 40 cm, slowly from all sides: it is seen at 4 mm a pixel"
+    std::vector<uint8_t> jpeg;  // what the shot looks like; empty: no picture
+};
+
 /** What to film again, and the map that says so. */
 struct FilmAgainSection {
-    std::string advice;                 // one line of heading, then a numbered line each
+    std::string advice;                 // one line of heading, then a numbered line each; or that nothing is needed
+    std::vector<AdviceCard> cards;      // the same, the most helpful first
     std::vector<std::string> warnings;  // of the scan check, one sentence each
     std::vector<MapRow> rows;
     std::vector<std::vector<uint8_t>> pictures;  // PNG; may be empty
@@ -81,8 +88,16 @@ struct FilmAgainSection {
 
 /** The picture of the person that opens the page. */
 struct Portrait {
-    std::vector<uint8_t> png;  // empty: none
-    std::string frame;         // whose camera drew it
+    std::vector<uint8_t> png;    // empty: none
+    std::vector<uint8_t> small;  // the same as a small JPEG, for lists of many avatars; empty: none
+    std::string frame;           // whose camera drew it
+};
+
+/** A few pictures that are shown one after the other, in a loop. */
+struct ReportClip {
+    std::string title;
+    double seconds = 0;                       // of the loop
+    std::vector<std::vector<uint8_t>> jpegs;  // of one size
 };
 
 /** How long the avatar was trained, for the sentence that tells a draft. 0: not known. */
@@ -93,9 +108,11 @@ struct TrainingLength {
 
 struct ReportData {
     std::string title;
+    std::string avatarFile;  // name of the file beside report.html, for its links; empty: none
     Portrait portrait;
     TrainingLength length;
     FilmAgainSection filmAgain;
+    std::vector<ReportClip> clips;
     std::vector<std::pair<std::string, std::string>> facts;  // scan, body, preset, seed, ...
     std::vector<std::string> provenance;                     // what the figures stand for, one sentence each (provenance.h)
     std::string verdict;                                     // result of the scan check, several lines
@@ -121,6 +138,9 @@ std::string barSummary(const ReportData& data);
 
 std::string reportJson(const ReportData& data);
 std::string reportHtml(const ReportData& data);
+
+/** The page of a run that has not ended yet, or was stopped: how to go on, and what to film again. */
+std::string unfinishedHtml(const std::string& title, const FilmAgainSection& filmAgain);
 
 /** Writes report.json and report.html into `folder`, each atomically. */
 Status writeReport(const ReportData& data, const std::filesystem::path& folder);

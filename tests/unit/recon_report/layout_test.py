@@ -22,9 +22,10 @@ FLAGS = ("--headless", "--no-sandbox", "--disable-gpu", "--disable-quic", "--no-
 SMALLEST_FONT_PX = 11
 # Runs inside the page. A box is cut when its content is wider than itself and it cannot scroll.
 MEASURE = """<script>addEventListener("load", () => {
-    const root = document.scrollingElement, person = document.querySelector(".top img"), verdict = document.querySelector(".verdict");
+    const root = document.scrollingElement, person = document.querySelector(".top img"), verdict = document.querySelector(".verdict"), download = document.querySelector("a[download]");
     const closed = {width: root.scrollWidth, bottom: person && person.getBoundingClientRect().bottom,
-                    personHeight: person && person.getBoundingClientRect().height, verdict: verdict && verdict.getBoundingClientRect().bottom};
+                    personHeight: person && person.getBoundingClientRect().height, verdict: verdict && verdict.getBoundingClientRect().bottom,
+                    download: download && download.getBoundingClientRect().bottom};
     document.querySelectorAll("details").forEach(d => d.open = true);
     const cut = [], out = [], small = [];
     for (const e of document.body.querySelectorAll("*")) {
@@ -75,10 +76,12 @@ def problems(seen):
             yield f"{width} px: the person is {m['closed']['personHeight']:.0f} px high and ends at {m['closed']['bottom']:.0f} px"
         if m["closed"]["verdict"] is None or m["closed"]["verdict"] > height:
             yield f"{width} px: the verdict ends at {m['closed']['verdict']} px"
+        if m["closed"]["download"] is not None and m["closed"]["download"] > height:
+            yield f"{width} px: Download ends at {m['closed']['download']} px"
 
 
 def main():
-    chromium = shutil.which("chromium")
+    chromium = shutil.which("chromium") or shutil.which("chromium-headless-shell")
     if not chromium:
         print("SKIPPED: chromium is not installed (Debian package chromium), so no page was laid out")
         sys.exit(SKIP)

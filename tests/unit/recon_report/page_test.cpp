@@ -37,7 +37,7 @@ TEST(ReportPage, opensWithThePersonAndTheVerdict) {
     ASSERT_NE(verdict, std::string::npos);
     EXPECT_EQ(person, page.find("<img"));
     EXPECT_LT(person, page.find("<h1>")) << "text before the picture could push it off the first screen";
-    for (const char* later : {"<h2>", "<table>", "<pre>", "<svg", "<details>"}) {
+    for (const char* later : {"<h2>", "<table>", "<svg", "<details class=engineers>"}) {
         ASSERT_NE(page.find(later), std::string::npos) << later;
         EXPECT_LT(verdict, page.find(later)) << later;
     }
@@ -46,9 +46,9 @@ TEST(ReportPage, opensWithThePersonAndTheVerdict) {
 
 TEST(ReportPage, figuresOfEngineersAreFoldedAndAllThere) {
     const std::string page = pageOf(fullReport());
-    const size_t details = page.find("<details>");
+    const size_t details = page.find("<details class=engineers>");
     EXPECT_EQ(page.find("<table>", 0), page.find("<table>", details)) << "no table before the fold";
-    EXPECT_EQ(page.substr(0, details).find("PSNR"), std::string::npos);
+    for (const char* word : {"PSNR", " dB", "IoU", "SSIM"}) EXPECT_EQ(page.substr(0, details).find(word), std::string::npos) << word;
     for (const char* heading : {"Quality on held-out frames", "Above the floors", "Body map", "Scan check", "Training",
                                 "Registration and sizes", "Error waterfall", "The ladder", "Time and memory", "Evidence"}) {
         const size_t at = page.find(std::string("<h2>") + heading);
@@ -136,14 +136,69 @@ TEST(ReportPage, withoutScoresThereIsNoEmptySection) {
     EXPECT_EQ(pageOf(noPicture).find("<img"), std::string::npos);
 }
 
-TEST(ReportPage, adviceIsAListUnderItsHeading) {
-    ReportData data = fullReport();
-    const std::string page = pageOf(data);
-    EXPECT_NE(page.find("<ol><li>Film the face from 60 cm, slower"), std::string::npos);
+TEST(ReportPage, threeCardsShowTheShotsAndTheRestIsAList) {
+    const std::string page = pageOf(fullReport());
+    EXPECT_EQ(countOf(page, "<div class=card>"), 3u);
+    EXPECT_EQ(countOf(page, "alt=\"what the shot looks like\""), 2u) << "a card without a picture stays a card";
+    EXPECT_NE(page.find("<p><b>Film the face from 60 cm, slower or in more light</b></p><p class=soft>Its pictures are blurred by 2.1 px"),
+              std::string::npos);
+    EXPECT_NE(page.find("<li>Film these moves too: bow and twist"), std::string::npos) << "the fourth is not lost";
     EXPECT_EQ(countOf(page, "What to film again"), 1u);
+    ReportData data = bareReport();
     data.filmAgain.advice = "Nothing needs to be filmed again: the face 1.2 mm, <the chest> 2.1 mm\n";
     EXPECT_NE(pageOf(data).find("<p class=lines>Nothing needs to be filmed again: the face 1.2 mm, &lt;the chest&gt; 2.1 mm"),
               std::string::npos);
+    EXPECT_EQ(countOf(pageOf(data), "class=card"), 0u);
+}
+
+TEST(ReportPage, aWordSaysWhatTheRunIsWorth) {
+    const auto worth = [](double stillDb, double movingDb, std::vector<MapRow> rows) {
+        ReportData data;
+        data.frames = {frameAt(FrameKind::StaticFull, stillDb), frameAt(FrameKind::Dynamic, movingDb)};
+        data.filmAgain.rows = std::move(rows);
+        return worthOf(data);
+    };
+    const auto place = [](const char* key, double unseen) { return MapRow{key, key, 1, 1, 1, 9, unseen}; };
+    EXPECT_EQ(worth(26, 20, {place("back", 0.25)}), Worth::Good);
+    EXPECT_EQ(worth(26, 19.9, {}), Worth::Usable);
+    EXPECT_EQ(worth(15.9, 26, {}), Worth::FilmAgain);
+    EXPECT_EQ(worth(std::nan(""), 26, {}), Worth::FilmAgain);
+    EXPECT_EQ(worth(26, 26, {place("left_hand", 0.9)}), Worth::Usable) << "a hand is soon filmed, and the rest is there";
+    EXPECT_EQ(worth(26, 26, {place("back", 0.51)}), Worth::FilmAgain);
+    EXPECT_EQ(worthOf({}), Worth::Usable) << "nothing judges it";
+
+    ReportData data = fullReport();
+    EXPECT_NE(pageOf(data).find("<p class=\"word usable\">Usable</p>"), std::string::npos) << "41 % of a hand is not seen";
+    data.filmAgain.rows.clear();
+    EXPECT_NE(pageOf(data).find("<p class=\"word good\">Good</p>"), std::string::npos);
+    EXPECT_EQ(nlohmann::json::parse(reportJson(data))["word"], "Good");
+    EXPECT_GT(pageOf(data).find(kWorthRule), pageOf(data).find("<details class=engineers>")) << "the rule is stated, and folded";
+    EXPECT_NE(pageOf(data).find(kWorthRule), std::string::npos);
+}
+
+TEST(ReportPage, aRunThatWasStoppedSaysThatNothingIsLost) {
+    const std::string page = unfinishedHtml("Doppel: <ada>", fullReport().filmAgain);
+    EXPECT_NE(page.find("nothing is lost: the same command goes on where it was"), std::string::npos);
+    EXPECT_NE(page.find("<h1>Doppel: &lt;ada&gt;</h1>"), std::string::npos);
+    EXPECT_EQ(countOf(page, "<div class=card>"), 3u) << "what to film again is known already";
+}
+
+TEST(ReportPage, theAvatarIsAClickAway) {
+    ReportData data = fullReport();
+    EXPECT_NE(pageOf(data).find("href=\"avatar.glb\" download>Download</a>"), std::string::npos);
+    EXPECT_NE(pageOf(data).find("doppel-viewer avatar.glb"), std::string::npos);
+    data.avatarFile.clear();
+    EXPECT_EQ(pageOf(data).find("Download"), std::string::npos) << "a page of doppel evaluate has no avatar beside it";
+}
+
+TEST(ReportPage, clipsShowEachPictureForItsShareOfTheRound) {
+    const std::string page = pageOf(fullReport());
+    EXPECT_NE(page.find("@keyframes clip0{0%{opacity:1}25.000%,100%{opacity:0}}"), std::string::npos);
+    for (const char* begin : {"clip0 2.00s -2.000s", "clip0 2.00s -1.500s", "clip0 2.00s -1.000s", "clip0 2.00s -0.500s"})
+        EXPECT_EQ(countOf(page, begin), 1u) << begin;
+    EXPECT_NE(page.find("<figcaption>The avatar walking</figcaption>"), std::string::npos);
+    EXPECT_NE(page.find("prefers-reduced-motion"), std::string::npos);
+    EXPECT_EQ(pageOf(bareReport()).find("In motion"), std::string::npos);
 }
 
 // What layout_test.py measures in a browser, as far as the text shows it.
@@ -156,7 +211,7 @@ TEST(ReportPage, nothingCanBeWiderThanTheScreen) {
     EXPECT_EQ(countOf(page, "<svg"), countOf(page, "<div class=scroll><svg"));
     EXPECT_EQ(countOf(page, "<div"), countOf(page, "</div>"));
     for (const char* rule : {".scroll{overflow-x:auto", "img{max-width:100%}", "white-space:pre-wrap;overflow-wrap:anywhere}",
-                             "overflow-wrap:break-word}", "max-height:min(30rem,58vh)"})
+                             "overflow-wrap:break-word}", "max-height:min(30rem,58vh)", "max-height:46vh"})
         EXPECT_NE(page.find(rule), std::string::npos) << rule;
     EXPECT_EQ(page.find("overflow:hidden"), std::string::npos) << "nothing may be cut off";
 }

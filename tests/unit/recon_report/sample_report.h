@@ -20,15 +20,23 @@ inline std::vector<uint8_t> rampPng(uint32_t widthPx, uint32_t heightPx) {
 inline ReportData fullReport(uint32_t portraitWidthPx = 420, uint32_t portraitHeightPx = 960) {
     ReportData data;
     data.title = "Doppel: a-scan-with-a-name-that-somebody-typed-without-any-space";
-    data.portrait = {rampPng(portraitWidthPx, portraitHeightPx), "full_001"};
+    data.portrait = {rampPng(portraitWidthPx, portraitHeightPx), {}, "full_001"};
     data.length = {300, 10000};
     data.facts = {{"scan", "scan"}, {"content hash", "9f86d081884c7d659a2feaa0c55ad015a3bf4f1b2b0b822cd15d6c15b0f00a08"}};
     data.filmAgain.advice =
         "What to film again, the most helpful first:\n"
         "  1. Film the face from 60 cm, slower or in more light: its pictures are blurred by 2.1 px, so no detail below 3.4 mm shows\n"
         "  2. Walk round the person once more: 31 % of what shows there is in no still picture\n";
+    const std::vector<uint8_t> shot = must(encodeJpeg(std::vector<uint8_t>(234 * 312 * 3, 128), 234, 312, 3, 80));
+    data.filmAgain.cards = {
+        {"Film the face from 60 cm, slower or in more light: its pictures are blurred by 2.1 px, so no detail below 3.4 mm shows", shot},
+        {"Walk round the person once more: 31 % of what shows there is in no still picture", shot},
+        {"Film the feet from above", {}},
+        {"Film these moves too: bow and twist to both sides. Clothes learn only from moves that are filmed", shot}};
+    data.clips = {{"The avatar walking", 2, std::vector<std::vector<uint8_t>>(4, shot)}};
+    data.avatarFile = "avatar.glb";
     data.filmAgain.warnings = {"3 pictures are much softer than the others of their kind; they are left out"};
-    data.filmAgain.rows = {{"the face", 1.2, 2.3, 0.8, 12, 0.01}, {"the left hand", 2.2, 4.3, 1.8, 2, 0.41}};
+    data.filmAgain.rows = {{"face", "the face", 1.2, 2.3, 0.8, 12, 0.01}, {"left_hand", "the left hand", 2.2, 4.3, 1.8, 2, 0.41}};
     for (int i = 0; i < 3; ++i) data.filmAgain.pictures.push_back(rampPng(460, 412));
     data.provenance = provenanceOf("procedural-1", true);
     data.verdict =
@@ -68,7 +76,7 @@ inline ReportData fullReport(uint32_t portraitWidthPx = 420, uint32_t portraitHe
 inline ReportData bareReport() {
     ReportData data;
     data.title = "Doppel: ada";
-    data.portrait = {rampPng(960, 700), "full_001"};
+    data.portrait = {rampPng(960, 700), {}, "full_001"};
     data.filmAgain.advice = "Nothing needs to be filmed again: the face 1.2 mm\n";
     data.verdict = "PASS\n";
     data.evidence = {{"garment layers", false, 0, 0, "no still full-body picture, and layers are cut from those"}};
