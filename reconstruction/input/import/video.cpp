@@ -166,6 +166,54 @@ std::string toneMap() {
     return "zscale=t=linear:npl=100,format=gbrpf32le,zscale=p=bt709,tonemap=hable:desat=0,zscale=t=bt709:m=bt709:r=tv,format=yuv420p,";
 }
 
+std::string jpegName(size_t number) {
+    std::string digits = std::to_string(number);
+    digits.insert(0, 6 - std::min<size_t>(6, digits.size()), '0');
+    return digits + ".jpg";
+}
+
+Result<fs::path> emptyFolder(const fs::path& folder) {
+    std::error_code error;
+    fs::remove_all(folder, error);
+    fs::create_directories(folder, error);
+    if (error) return fail(Code::Io, "cannot create {}: {}", folder.string(), error.message());
+    return folder;
+}
+
+/** Which frames of a video become files, and where. */
+struct WrittenFrames {
+    std::vector<std::string> inputOptions;  // before the input's own
+    std::string select;                     // an expression of ffmpeg's filter
+    size_t most = 0, first = 0;             // files, and the number of the first: jpegName()
+    fs::path folder;
+};
+
+/** Writes upright 8-bit sRGB JPEG files. `written` hears of each. */
+Status writeJpegs(const VideoInfo& video, const WrittenFrames& frames, uint32_t longSidePx, const VideoWork& work,
+                  const std::function<void(const VideoFrame&)>& written) {
+    const auto [width, height] = scaledSize(video, std::max(video.widthPx, video.heightPx), longSidePx);
+    // JPEG decoders expect BT.601 in full range, whatever the video has.
+    const std::string filter = formatText(
+        "select='{}',{}scale={}:{}:flags=lanczos:in_color_matrix={}:out_color_matrix=smpte170m:out_range=full,format=yuvj420p,"
+        "{}",
+        frames.select, video.hdr ? toneMap() : "", width, height, video.hdr ? "bt709" : video.colourMatrix, kPrintTimes);
+    std::string pattern;  // a percent sign of the folder is doubled for ffmpeg
+    for (char c : (frames.folder / "").string()) pattern += c == '%' ? "%%" : std::string(1, c);
+    pattern += "%06d.jpg";
+    std::vector<std::string> arguments = {"ffmpeg", "-hide_banner", "-nostdin", "-loglevel", "error", "-y"};
+    arguments.insert(arguments.end(), frames.inputOptions.begin(), frames.inputOptions.end());
+    const auto input = inputOptions(video.path);
+    arguments.insert(arguments.end(), input.begin(), input.end());
+    for (const std::string& word :
+         {std::string("-map"), std::string("0:V:0"), std::string("-vf"), filter, std::string("-fps_mode"), std::string("passthrough"),
+          std::string("-frames:v"), std::to_string(frames.most), std::string("-c:v"), std::string("mjpeg"), std::string("-q:v"),
+          std::string("2"), std::string("-start_number"), std::to_string(frames.first), std::string("-f"), std::string("image2"), pattern})
+        arguments.push_back(word);
+    return runFfmpeg(arguments, video.path, work, kDecodeTimeoutS, [&](std::string_view line) {
+        if (VideoFrame frame; parseFrameLine(line, frame)) written(frame);
+    });
+}
+
 }  // namespace
 
 Result<VideoInfo> probeVideo(const fs::path& path, const VideoWork& work) {
@@ -274,43 +322,51 @@ Result<std::vector<fs::path>> extractFrames(const VideoInfo& video, const std::v
     if (pts.empty()) return std::vector<fs::path>{};
     std::string select;
     for (long long value : pts) select += formatText("{}eq(pts\\,{})", select.empty() ? "" : "+", value);
-    const auto [width, height] = scaledSize(video, std::max(video.widthPx, video.heightPx), longSidePx);
-    // JPEG decoders expect BT.601 in full range, whatever the video has.
-    const std::string filter = formatText(
-        "select='{}',{}scale={}:{}:flags=lanczos:in_color_matrix={}:out_color_matrix=smpte170m:out_range=full,format=yuvj420p,"
-        "{}",
-        select, video.hdr ? toneMap() : "", width, height, video.hdr ? "bt709" : video.colourMatrix, kPrintTimes);
-    const fs::path folder = work.folder / "frames";
-    std::error_code error;
-    fs::remove_all(folder, error);
-    fs::create_directories(folder, error);
-    if (error) return fail(Code::Io, "cannot create {}: {}", folder.string(), error.message());
-    std::string pattern;  // a percent sign of the folder is doubled for ffmpeg
-    for (char c : (folder / "").string()) pattern += c == '%' ? "%%" : std::string(1, c);
-    pattern += "%06d.jpg";
-    std::vector<std::string> arguments = {"ffmpeg", "-hide_banner", "-nostdin", "-loglevel", "error", "-y"};
-    const auto input = inputOptions(video.path);
-    arguments.insert(arguments.end(), input.begin(), input.end());
-    for (const std::string& word :
-         {std::string("-map"), std::string("0:V:0"), std::string("-vf"), filter, std::string("-fps_mode"), std::string("passthrough"),
-          std::string("-frames:v"), std::to_string(pts.size()), std::string("-c:v"), std::string("mjpeg"), std::string("-q:v"),
-          std::string("2"), std::string("-start_number"), std::string("0"), std::string("-f"), std::string("image2"), pattern})
-        arguments.push_back(word);
+    DPL_TRY(const fs::path folder, emptyFolder(work.folder / "frames"));
     size_t written = 0;
-    DPL_RETURN_IF_ERROR(runFfmpeg(arguments, video.path, work, kDecodeTimeoutS, [&](std::string_view line) {
-        VideoFrame frame;
-        if (parseFrameLine(line, frame) && work.progress) (void)work.progress(std::min(1.0, double(++written) / double(pts.size())));
+    DPL_RETURN_IF_ERROR(writeJpegs(video, {{}, select, pts.size(), 0, folder}, longSidePx, work, [&](const VideoFrame&) {
+        if (work.progress) (void)work.progress(std::min(1.0, double(++written) / double(pts.size())));
     }));
     std::vector<fs::path> files;
+    std::error_code error;
     for (size_t i = 0; i < pts.size(); ++i) {
-        std::string digits = std::to_string(i);
-        digits.insert(0, 6 - std::min<size_t>(6, digits.size()), '0');
-        files.push_back(folder / (digits + ".jpg"));
+        files.push_back(folder / jpegName(i));
         if (!fs::is_regular_file(files.back(), error))
             return fail(Code::CorruptData, "{}: {} of {} chosen frames can be decoded; it is damaged, copy it again from the phone",
                         video.path.string(), i, pts.size());
     }
     return files;
+}
+
+Result<std::vector<SampledFrame>> sampleFrames(const VideoInfo& video, size_t count, uint32_t longSidePx, const VideoWork& work) {
+    DPL_TRY(const fs::path folder, emptyFolder(work.folder / "sample"));
+    std::vector<SampledFrame> frames;
+    std::error_code error;
+    // ffmpeg may tell of more frames than it writes.
+    const auto take = [&](const VideoFrame& frame) {
+        if (frames.size() < count) frames.push_back({folder / jpegName(frames.size()), frame.timeS});
+    };
+    const double stepS = video.durationS / double(count);
+    // A little less than the step, so that key frames that lie a step apart all count.
+    const std::string apart = formatText("isnan(prev_selected_t)+gte(t-prev_selected_t\\,{})", 0.9 * stepS);
+    DPL_RETURN_IF_ERROR(writeJpegs(video, {{"-skip_frame", "nokey"}, apart, count, 0, folder}, longSidePx, work, take));
+    if (2 * frames.size() < count && video.durationS > 0) {
+        frames.clear();
+        for (size_t i = 0; i < count; ++i) {
+            const double atS = (double(i) + 0.5) * stepS;
+            const size_t number = frames.size();
+            const auto takeAt = [&](const VideoFrame&) {
+                if (frames.size() == number) frames.push_back({folder / jpegName(number), atS});
+            };
+            DPL_RETURN_IF_ERROR(writeJpegs(video, {{"-ss", formatText("{}", atS)}, "1", 1, number, folder}, longSidePx, work, takeAt));
+            if (work.progress && !work.progress(double(i + 1) / double(count)))
+                return fail(Code::Cancelled, "stopped while reading {}", video.path.string());
+        }
+    }
+    std::erase_if(frames, [&](const SampledFrame& frame) { return !fs::is_regular_file(frame.file, error); });
+    if (frames.empty())
+        return fail(Code::CorruptData, "{}: not one frame can be decoded; copy it again from the phone", video.path.string());
+    return frames;
 }
 
 }  // namespace dpl

@@ -50,6 +50,16 @@ Result<VideoInfo> probeVideo(const std::filesystem::path& path, const VideoWork&
  *  before its stated duration. */
 Result<VideoAnalysis> analyseVideo(const VideoInfo& video, const VideoWork& work);
 
+/** A frame of a sample. */
+struct SampledFrame {
+    std::filesystem::path file;  // JPEG, as of extractFrames()
+    double timeS = 0;
+};
+
+/** At most `count` frames, evenly over the video, without decoding all of it: its key frames where it has enough of them, else one seek for
+ *  each. A second of work for a minute of video. Errors as of extractFrames(). */
+Result<std::vector<SampledFrame>> sampleFrames(const VideoInfo& video, size_t count, uint32_t longSidePx, const VideoWork& work);
+
 /** Writes the frames with the given pts as upright 8-bit sRGB JPEG files of the video's size and returns their paths, in order. Sides are
  * at most `longSidePx`. */
 Result<std::vector<std::filesystem::path>> extractFrames(const VideoInfo& video, const std::vector<long long>& pts, uint32_t longSidePx,

@@ -47,6 +47,15 @@ struct SeenPerson {
     double score = 0;
 };
 
+/** What a short look tells of a picture: the best person in it. */
+struct Glance {
+    size_t people = 0;               // confirmed; 0: the rest is empty
+    double secondShare = 0;          // height of the second person's box, of the first one's
+    std::vector<Vec2d> landmarks;    // 33, BlazePose order, pixels; outside the picture where the network says so
+    std::vector<double> confidence;  // 33, 0 … 1: in the picture and not hidden
+    double turnRad = 0;              // where the camera stands round the person: 0 before the chest, π/2 at the person's left
+};
+
 /** The networks of one folder (models_folder.h). Each thread needs its own. */
 class Observer {
 public:
@@ -59,6 +68,9 @@ public:
 
     /** The people in a picture, best first. Without a detector only the one that the pose network finds in the whole picture. */
     Result<std::vector<SeenPerson>> people(const ImageRgb8& image);
+
+    /** A look with one network, some tenths of a second. */
+    Result<Glance> glance(const ImageRgb8& image);
 
     /** `mask` may be null. `start`: where the person is; null: the mask's box, or the whole picture. When no person is found, personScore
      *  is below 0.5 and every confidence is 0. `closeup`: the picture shows a part of the person, whom the network of close-ups finds

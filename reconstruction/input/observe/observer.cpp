@@ -67,6 +67,7 @@ struct Pose {
     PersonCrop crop;
     std::array<Vec2d, 39> landmarks{};
     std::array<double, 39> confidence{};
+    std::array<double, 39> depthPx{};  // of the first look, towards the camera is less
     double score = 0;
     std::vector<float> segmentation;
     PersonCrop next;  // what the landmarks say that the crop should have been
@@ -155,6 +156,7 @@ struct Observer::State {
             const float* v = points->data.data() + 5 * (mirrored ? mirroredLandmark(k) : k);
             found.landmarks[k] = cropToPicture(crop, {mirrored ? kPoseSide - v[0] : v[0], v[1]}, kPoseSide);
             found.confidence[k] = sigmoid(v[3]) * sigmoid(v[4]);
+            found.depthPx[k] = double(v[2]) * crop.sidePx / kPoseSide;
         }
         if (mirrored) mirrorRows(found.segmentation, kPoseSide);
         return found;
@@ -172,6 +174,24 @@ struct Observer::State {
         }
         found.next = crop;
         return found;
+    }
+
+    /** The people in a picture, best first. Without a detector only the one whom the network finds in the whole picture. */
+    Result<std::vector<Pose>> confirmedPoses(const ImageRgb8& image) {
+        std::vector<DetectedPerson> places{{boxCrop(image, nullptr, 1.25), 1}};
+        if (detector) {
+            DPL_TRY(places, detectPeople(*detector, image, kMostPeople));
+        }
+        std::vector<Pose> seen, kept;
+        for (const DetectedPerson& place : places) {
+            DPL_TRY(Pose found, findPose(image, place.crop, 2));
+            if (found.score >= kConfirmed) seen.push_back(std::move(found));
+        }
+        std::stable_sort(seen.begin(), seen.end(), [](const Pose& a, const Pose& b) { return a.score > b.score; });
+        for (Pose& one : seen)
+            if (std::none_of(kept.begin(), kept.end(), [&](const Pose& other) { return boxOverlap(boxOf(one), boxOf(other)) > kSameBox; }))
+                kept.push_back(std::move(one));
+        return kept;
     }
 
     /** A confirmed pose, which is the first network's first look, and the other looks that confirm somebody too. A pose that is not
@@ -268,21 +288,27 @@ Result<Observer> Observer::load(const std::filesystem::path& models) {
 }
 
 Result<std::vector<SeenPerson>> Observer::people(const ImageRgb8& image) {
-    std::vector<DetectedPerson> places{{boxCrop(image, nullptr, 1.25), 1}};
-    if (state_->detector) {
-        DPL_TRY(places, detectPeople(*state_->detector, image, kMostPeople));
-    }
+    DPL_TRY(const std::vector<Pose> poses, state_->confirmedPoses(image));
     std::vector<SeenPerson> seen;
-    for (const DetectedPerson& place : places) {
-        DPL_TRY(const Pose pose, state_->findPose(image, place.crop, 2));
-        if (pose.score >= kConfirmed) seen.push_back({boxOf(pose), pose.next, pose.score});
-    }
-    std::stable_sort(seen.begin(), seen.end(), [](const SeenPerson& a, const SeenPerson& b) { return a.score > b.score; });
-    std::vector<SeenPerson> kept;
-    for (const SeenPerson& one : seen)
-        if (std::none_of(kept.begin(), kept.end(), [&](const SeenPerson& other) { return boxOverlap(one.box, other.box) > kSameBox; }))
-            kept.push_back(one);
-    return kept;
+    for (const Pose& pose : poses) seen.push_back({boxOf(pose), pose.next, pose.score});
+    return seen;
+}
+
+Result<Glance> Observer::glance(const ImageRgb8& image) {
+    DPL_TRY(const std::vector<Pose> poses, state_->confirmedPoses(image));
+    Glance glance;
+    glance.people = poses.size();
+    if (poses.empty()) return glance;
+    const Pose& pose = poses[0];
+    glance.landmarks.assign(pose.landmarks.begin(), pose.landmarks.begin() + 33);
+    glance.confidence.assign(pose.confidence.begin(), pose.confidence.begin() + 33);
+    Vec2d across(0);  // from the right shoulder and hip to the left ones: to the picture's right, and away from the camera
+    for (const size_t left : {11, 23})
+        across += Vec2d(pose.landmarks[left].x - pose.landmarks[left + 1].x, pose.depthPx[left] - pose.depthPx[left + 1]);
+    glance.turnRad = std::atan2(-across.y, across.x);
+    const auto tall = [](const Pose& one) { return boxOf(one).high.y - boxOf(one).low.y; };
+    if (poses.size() > 1) glance.secondShare = tall(poses[1]) / std::max(1.0, tall(pose));
+    return glance;
 }
 
 Result<Observation> Observer::observe(const ImageRgb8& image, const ImageGrey8* mask, const PersonCrop* start, bool closeup) {

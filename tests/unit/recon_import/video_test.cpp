@@ -93,6 +93,23 @@ TEST_F(VideoFiles, coloursSurviveWithinAFewLevels) {
     EXPECT_NEAR(colour.b, 0x20, 4);
 }
 
+TEST_F(VideoFiles, aSampleIsSpreadOverTheVideoWithAndWithoutKeyFrames) {
+    auto dense = h264(), sparse = h264();
+    dense.insert(dense.end(), {"-g", "4"}), sparse.insert(sparse.end(), {"-g", "240"});
+    for (const auto& coding : {dense, sparse}) {
+        const auto info = probeVideo(make("sampled.mp4", coding), work);
+        ASSERT_TRUE(info) << info.error().message;
+        const auto frames = sampleFrames(*info, 6, 96, work);
+        ASSERT_TRUE(frames) << frames.error().message;
+        ASSERT_GE(frames->size(), 5u);
+        ASSERT_LE(frames->size(), 6u);
+        for (size_t i = 1; i < frames->size(); ++i) EXPECT_NEAR((*frames)[i].timeS - (*frames)[i - 1].timeS, 2.0 / 6, 0.1);
+        const auto bytes = readFile(frames->back().file);
+        ASSERT_TRUE(bytes) << bytes.error().message;
+        EXPECT_EQ(decodePicture(*bytes, PictureChannels::Rgb)->widthPx, 96u);
+    }
+}
+
 TEST_F(VideoFiles, theMatrixOfHdVideosIsRead) {
     auto coding = h264();
     coding.insert(coding.end(), {"-colorspace", "bt709", "-color_primaries", "bt709", "-color_trc", "bt709"});
