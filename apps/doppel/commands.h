@@ -17,6 +17,7 @@ using CommandRun = std::function<int()>;
 
 void addSampleCommand(CLI::App& app, CommandRun& run);
 void addSampleAvatarCommand(CLI::App& app, CommandRun& run);
+void addSetupCommand(CLI::App& app, CommandRun& run);
 void addCamerasCommand(CLI::App& app, CommandRun& run);
 void addCheckCommand(CLI::App& app, CommandRun& run);
 void addImportCommand(CLI::App& app, CommandRun& run);

@@ -54,6 +54,7 @@ int main(int argc, char** argv) {
     app.footer(
         "Examples:\n"
         "  doppel sample-avatar -o ada.glb             an avatar to try, in seconds\n"
+        "  doppel setup                                get networks and COLMAP, once\n"
         "  doppel sample -o scan                       make the procedural subject's scan\n"
         "  doppel check scan -o ada                    say what to film again\n"
         "  doppel reconstruct scan -o ada              make ada/avatar.glb and ada/report.html\n"
@@ -63,6 +64,7 @@ int main(int argc, char** argv) {
         "Exit codes: 0 done, 1 failed (the sentence says why), 2 wrong arguments, 130 stopped by Ctrl-C (a rerun continues).\n"
         "Each command has its own --help.");
     CommandRun run;
+    addSetupCommand(app, run);
     addSampleCommand(app, run);
     addSampleAvatarCommand(app, run);
     addCamerasCommand(app, run);

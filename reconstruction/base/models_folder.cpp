@@ -21,7 +21,7 @@ fs::path installedModels() {
 }
 
 std::string howToGetNetworks() {
-    const std::string run = "run tools/models in Doppel's source folder";
+    const std::string run = "run doppel setup";
     return userModelsFolder().empty()
                ? run + " with --out DIR, and name DIR by --models, because neither HOME nor XDG_DATA_HOME says where networks are"
                : run + ", or name a folder of networks by --models";

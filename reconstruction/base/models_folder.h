@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The networks that observe pictures: their files, and where tools/models installs them.
+// The networks that observe pictures: their files, and where `doppel setup` (tools/models) installs them.
 #pragma once
 
 #include <filesystem>

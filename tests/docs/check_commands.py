@@ -19,7 +19,7 @@ RUN = ("inspect", "export", "render")
 TOO_DEAR = (".mp4",)
 SDK_GUIDE = "docs/guides/sdk.md"
 # Pages that begin at nothing: before the first command of the kind on the left they show every command on the right.
-PREPARED = {"docs/guides/capture.md": ("doppel ", ("tools/demo", "tools/models", "tools/deps colmap")),
+PREPARED = {"docs/guides/capture.md": ("doppel check", ("doppel setup",)),
             "docs/guides/viewer.md": ("doppel-viewer ", ("tools/bootstrap", "cmake --build --preset release --target doppel_viewer"))}
 
 

@@ -13,7 +13,7 @@
 namespace dpl {
 
 inline constexpr const char* kColmapProgram = "colmap";  // in PATH
-inline constexpr const char* kHowToGetColmap = "run tools/deps colmap in Doppel's source folder, or apt-get install colmap";
+inline constexpr const char* kHowToGetColmap = "run doppel setup, or apt-get install colmap";
 
 struct ColmapRun {
     std::filesystem::path folder;     // has images/, and masks/IMAGE.png where not the whole picture counts. For all other files

@@ -31,6 +31,13 @@ std::vector<std::string> missingTools(const ToolNeeds& needs, const std::filesys
     return missing;
 }
 
+std::string namesOf(const std::vector<std::string>& missing) {
+    std::string names;
+    for (size_t i = 0; i < missing.size(); ++i)
+        names += (i == 0 ? "" : i + 1 == missing.size() ? " and " : ", ") + missing[i].substr(0, missing[i].find(','));
+    return names;
+}
+
 std::string describeMissing(const std::string& subject, const std::vector<std::string>& missing) {
     std::string text = subject + " needs what is missing on this machine. Get it once, in this order:\n";
     for (size_t i = 0; i < missing.size(); ++i) text += formatText("  {}. {}\n", i + 1, missing[i]);

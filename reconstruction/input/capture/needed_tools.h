@@ -25,6 +25,9 @@ ToolNeeds toolNeeds(const Scan& scan);
  *  `models`: the folder of networks that the user named; empty: installedModels(). */
 std::vector<std::string> missingTools(const ToolNeeds& needs, const std::filesystem::path& models = {});
 
+/** "networks and COLMAP": the names of what missingTools() says. */
+std::string namesOf(const std::vector<std::string>& missing);
+
 /** "`subject` needs what is missing on this machine ..." and a numbered line for each of `missing`. Every line ends with a line break. */
 std::string describeMissing(const std::string& subject, const std::vector<std::string>& missing);
 

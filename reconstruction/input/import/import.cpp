@@ -95,7 +95,8 @@ std::string nextStep(const Scan& scan, const fs::path& out) {
         const std::string command = formatText("doppel reconstruct {} -o OUT", shellWord(out));
         const std::vector<std::string> missing = missingTools(toolNeeds(scan));
         if (missing.empty()) return formatText("wrote {}; next: {}", out.string(), command);
-        return formatText("wrote {}. {}then: {}", out.string(), describeMissing("An avatar of it", missing), command);
+        return formatText("wrote {}. {}missing: {}; next: doppel setup, then {}", out.string(), describeMissing("An avatar of it", missing),
+                          namesOf(missing), command);
     }
     return formatText("wrote {}, which gives no avatar yet: {}. {}", out.string(), lack,
                       scan.camerasKnown

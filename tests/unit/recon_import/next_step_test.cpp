@@ -37,20 +37,19 @@ protected:
 
 const char* const kReady = "wrote SCAN; next: doppel reconstruct SCAN -o OUT";
 const char* const kNetworks =
-    "networks, which find the person's keypoints and masks: run tools/models in Doppel's source folder, or name a folder of networks by "
-    "--models\n";
-const char* const kColmap = "COLMAP, which finds the cameras: run tools/deps colmap in Doppel's source folder, or apt-get install colmap\n";
+    "networks, which find the person's keypoints and masks: run doppel setup, or name a folder of networks by --models\n";
+const char* const kColmap = "COLMAP, which finds the cameras: run doppel setup, or apt-get install colmap\n";
 
-std::string lacking(const std::string& lines) {
+std::string lacking(const std::string& lines, const std::string& names) {
     return "wrote SCAN. An avatar of it needs what is missing on this machine. Get it once, in this order:\n" + lines +
-           "then: doppel reconstruct SCAN -o OUT";
+           "missing: " + names + "; next: doppel setup, then doppel reconstruct SCAN -o OUT";
 }
 
 TEST_F(NextStep, unknownCamerasNeedNetworksAndThenColmap) {
     writePhotos(8);
-    EXPECT_EQ(import("photos"), lacking(formatText("  1. {}  2. {}", kNetworks, kColmap)));
+    EXPECT_EQ(import("photos"), lacking(formatText("  1. {}  2. {}", kNetworks, kColmap), "networks and COLMAP"));
     machine_.addNetworks();
-    EXPECT_EQ(import("photos"), lacking(formatText("  1. {}", kColmap)));
+    EXPECT_EQ(import("photos"), lacking(formatText("  1. {}", kColmap), "COLMAP"));
     machine_.addProgram("colmap");
     EXPECT_EQ(import("photos"), kReady);
 }
@@ -58,12 +57,12 @@ TEST_F(NextStep, unknownCamerasNeedNetworksAndThenColmap) {
 TEST_F(NextStep, colmapWithoutNetworksIsNotEnough) {
     writePhotos(8);
     machine_.addProgram("colmap");
-    EXPECT_EQ(import("photos"), lacking(formatText("  1. {}", kNetworks)));
+    EXPECT_EQ(import("photos"), lacking(formatText("  1. {}", kNetworks), "networks"));
 }
 
 TEST_F(NextStep, knownCamerasNeedNoColmap) {
     writePolycam();
-    EXPECT_EQ(import("polycam"), lacking(formatText("  1. {}", kNetworks)));
+    EXPECT_EQ(import("polycam"), lacking(formatText("  1. {}", kNetworks), "networks"));
     machine_.addNetworks();
     EXPECT_EQ(import("polycam"), kReady);
 }
@@ -77,7 +76,7 @@ TEST_F(NextStep, masksThatTheCaptureBringsAreNotAskedFor) {
 TEST_F(NextStep, withoutHomeTheFolderOfNetworksMustBeNamed) {
     writePolycam();
     BareMachine::forgetHome();
-    EXPECT_TRUE(mentions(import("polycam"), {"tools/models", "--out DIR", "--models", "neither HOME nor XDG_DATA_HOME"}));
+    EXPECT_TRUE(mentions(import("polycam"), {"doppel setup", "--out DIR", "--models", "neither HOME nor XDG_DATA_HOME"}));
 }
 
 TEST_F(NextStep, aCaptureThatGivesNoAvatarNamesNoCommand) {

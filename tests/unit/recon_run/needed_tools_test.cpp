@@ -30,7 +30,7 @@ protected:
 
 TEST_F(NeededTools, areNamedInOrder) {
     const std::string text = refusal();
-    EXPECT_TRUE(mentions(text, {"out/scan needs", "1. networks", "tools/models", "2. COLMAP", "tools/deps colmap",
+    EXPECT_TRUE(mentions(text, {"out/scan needs", "1. networks", "doppel setup", "2. COLMAP", "doppel setup",
                                 "then run the same command again", "docs/formats/scan.md"}));
     std::ifstream verdict(out_ / "verdict.json");
     const auto json = nlohmann::json::parse(verdict, nullptr, false);
