@@ -23,6 +23,8 @@
 namespace dpl {
 namespace {
 
+constexpr std::string_view kPutOn = ", put on from ";
+
 size_t rankOf(const std::string& layer) {
     return size_t(std::find(kDressLayers.begin(), kDressLayers.end(), layer) - kDressLayers.begin());
 }
@@ -189,9 +191,26 @@ void updateEvidence(const std::vector<DressedLayer>& layers, std::vector<Evidenc
         const std::string part = "garment layer: " + layer.layer;
         std::erase_if(evidence, [&](const EvidenceData& row) { return row.part == part; });
         evidence.push_back({part, true, 0, 0,
-                            formatText("{} triangles, put on from {} ({})", layer.triangles,
+                            formatText("{} triangles{}{} ({})", layer.triangles, kPutOn,
                                        std::filesystem::path(layer.file).filename().string(), layer.avatar)});
     }
+}
+
+/** "ada in ben's top and cleo's bottom": who wears whose garments, by the evidence of an avatar that was dressed before, or is now. */
+std::string nameOfDressed(const std::string& wearer, const std::vector<EvidenceData>& evidence) {
+    std::string name = wearer.substr(0, wearer.find(" in "));
+    std::vector<std::string> garments;
+    for (const char* layer : kDressLayers)
+        for (const EvidenceData& row : evidence) {
+            const size_t open = row.reason.rfind('(');
+            if (row.part != std::string("garment layer: ") + layer || row.reason.find(kPutOn) == std::string::npos ||
+                open == std::string::npos)
+                continue;
+            const std::string from = row.reason.substr(open + 1, row.reason.rfind(')') - open - 1);
+            garments.push_back(formatText("{}'s {}", from.substr(0, from.find(" in ")), layer));
+        }
+    for (size_t i = 0; i < garments.size(); ++i) name += (i == 0 ? " in " : i + 1 == garments.size() ? " and " : ", ") + garments[i];
+    return name;
 }
 
 }  // namespace
@@ -257,6 +276,7 @@ Result<Dressed> dressAvatar(const NamedAvatar& wearer, std::span<const Garment> 
     separateLayers(avatar.mesh);
     avatar.generator = "doppel dress";
     updateEvidence(out.layers, avatar.evidence);
+    avatar.name = nameOfDressed(wearer.avatar.name, avatar.evidence);
     DPL_RETURN_IF_ERROR(taskAt(0.9, "encoding"));
 
     sortSplats(avatar);

@@ -45,7 +45,8 @@ struct Dressed {
     bool noSkin = false;  // the wearer shows no skin from which uncovered skin could take its colour; it stays empty
 };
 
-/** Replaces layers of `wearer`. The wearer keeps name, rig, body, clips and pose correctives. Refuses avatars whose rig or body mesh
+/** Replaces layers of `wearer`. The wearer keeps rig, body, clips and pose correctives; the name says who wears whose
+ * garments. Refuses avatars whose rig or body mesh
  * differs from the wearer's, and files without the layer (InvalidArgument, naming the file and what to do). Cancelled. The result does not
  * depend on the number of threads. */
 Result<Dressed> dressAvatar(const NamedAvatar& wearer, std::span<const Garment> garments, Jobs& jobs);

@@ -13,10 +13,11 @@
 namespace dpl {
 namespace {
 
-constexpr int kSmoothings = 60;      // of filled colours
-constexpr float kOpacity = 0.9f;     // of filled splats; they overlap
-constexpr float kSpacings = 0.8f;    // standard deviation of a filled splat over the spacing of splats
-constexpr double kWeakShare = 0.33;  // of the median coverage, below which a garment's triangle is filled
+constexpr int kMostSmoothings = 2000;   // of filled colours
+constexpr float kSmoothEnough = 1e-4f;  // largest change in a round, of 1: a fortieth of a grey level
+constexpr float kOpacity = 0.9f;        // of filled splats; they overlap
+constexpr float kSpacings = 0.8f;       // standard deviation of a filled splat over the spacing of splats
+constexpr double kWeakShare = 0.33;     // of the median coverage, below which a garment's triangle is filled
 
 /** Splats for each square metre of the trusted triangles; 0 if they have none. areas: m², of the triangles. */
 double splatDensity(const LayerPart& part, std::span<const double> areas, const Marks& distrusted) {
@@ -90,13 +91,18 @@ std::vector<Vec3f> coloursAround(const LayerPart& part, const Marks& distrusted,
     for (size_t t = 0; t < weighted.size(); ++t)
         if (distrusted[t]) weighted[t] = Vec4f(0);
     std::vector<Vec3f> out = spreadColours(weighted, neighbours);
-    for (int round = 0; round < kSmoothings; ++round) {
+    // Until each is the mean of its neighbours: then a wide area, such as a neck between face and chest, is one gradient without a seam.
+    float change = 1;
+    for (int round = 0; round < kMostSmoothings && change > kSmoothEnough; ++round) {
         std::vector<Vec3f> next = out;
+        change = 0;
         for (size_t t = 0; t < distrusted.size(); ++t) {
             if (!distrusted[t] || neighbours[t].empty()) continue;
             Vec3f sum(0);
             for (const uint32_t other : neighbours[t]) sum += out[other];
             next[t] = sum / float(neighbours[t].size());
+            const Vec3f moved = glm::abs(next[t] - out[t]);
+            change = std::max({change, moved.x, moved.y, moved.z});
         }
         out = std::move(next);
     }

@@ -17,7 +17,8 @@ using Neighbours = std::vector<std::vector<uint32_t>>;  // triangleNeighbours()
  * all zero without splats. */
 std::vector<Vec4f> splatColours(const LayerPart& part);
 
-/** Mean colours of the triangles that are not `distrusted`, spread to the others along the surface and smoothed there. One per triangle. */
+/** Mean colours of the triangles that are not `distrusted`, spread to the others along the surface and smoothed there until they run evenly
+ *  from one trusted side to the other. One per triangle. */
 std::vector<Vec3f> coloursAround(const LayerPart& part, const Marks& distrusted, const Neighbours& neighbours);
 
 /** Replaces the splats of the triangles marked in `fill` by as many as triangles that are not `distrusted` have for their area, in the

@@ -137,6 +137,15 @@ TEST(Dress, theSameBodyGetsTheSameGarment) {
     }
 }
 
+TEST(Dress, theNameSaysWhoWearsWhat) {
+    NamedAvatar ada = first(), ben = second();
+    ada.avatar.name = "ada", ben.avatar.name = "ben";
+    NamedAvatar dressed{"new.glb", dress(ada, {{"top", &ben}, {"shoes", &ben}}).avatar};
+    EXPECT_EQ(dressed.avatar.name, "ada in ben's shoes and ben's top");
+    ada.avatar.name = "cleo";
+    EXPECT_EQ(dress(dressed, {{"top", &ada}}).avatar.name, "ada in ben's shoes and cleo's top") << "dressed again";
+}
+
 TEST(Dress, anotherBodyWearsTheGarmentOutside) {
     const Dressed& dressed = exchanged();
     for (const DressedLayer& layer : dressed.layers) {

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include "reconstruction/training/trainer/init.h"
 #include "tests/unit/ball_mesh.h"
 
 namespace dpl::test {
@@ -93,6 +94,29 @@ TEST(SplatFill, verticesOfKeptTrianglesKeepTheirColour) {
         coloured += !kept[v];
     }
     EXPECT_GT(coloured, 20u);
+}
+
+TEST(SplatFill, aWideGapBetweenTwoColoursIsOneGradient) {
+    LayerPart part = ball("body", size_t(-1));
+    const size_t count = part.mesh.triangles.size();
+    float low = 1e9f, high = -1e9f;
+    for (const Vec3f& p : part.mesh.restPositions) low = std::min(low, p.y), high = std::max(high, p.y);
+    const auto heightOf = [&](size_t t) { return (part.mesh.restPositions[part.mesh.triangles[t].x].y - low) / (high - low); };
+    Marks distrusted(count, 0);
+    for (size_t t = 0; t < count; ++t) {
+        distrusted[t] = heightOf(t) > 0.2f && heightOf(t) < 0.8f;
+        for (int c = 0; c < 3; ++c) part.splats.sh[3 * t + size_t(c)] = heightOf(t) < 0.5f ? -1.0f : 1.0f;
+    }
+    const std::vector<Vec3f> around = coloursAround(part, distrusted, triangleNeighbours(part.mesh));
+    float darkest = 1, brightest = 0;
+    for (size_t t = 0; t < count; ++t)
+        if (!distrusted[t]) darkest = std::min(darkest, around[t].x), brightest = std::max(brightest, around[t].x);
+    ASSERT_GT(brightest - darkest, 0.4f);
+    for (size_t t = 0; t < count; ++t) {
+        if (!(heightOf(t) > 0.4f && heightOf(t) < 0.6f)) continue;
+        // Without a seam: in the middle it is neither of the two colours.
+        EXPECT_NEAR((around[t].x - darkest) / (brightest - darkest), 0.5f, 0.3f) << heightOf(t);
+    }
 }
 
 }  // namespace
