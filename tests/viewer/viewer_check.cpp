@@ -7,7 +7,7 @@
 //   viewer_check colour PICTURE.png X Y                   the pixel, as three numbers
 //
 // compose: pictures without panels of the viewer with one avatar, which plays its first clip at TIME seconds. The PSNR is that of the
-// pixels on which the avatar is.
+// pixels on which the avatar is, and not its shadow on the floor, which ROOM lacks.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -40,6 +40,23 @@ T valueOf(Result<T> result) {
 
 Picture read(const char* path) {
     return valueOf(decodePicture(valueOf(readFile(path)), PictureChannels::Rgb));
+}
+
+/** Whether the floor that a pixel looks at carries some of a shadow, or its neighbour does. */
+bool showsShadow(const doppel::ContactShadow& shadow, const Camerad& camera, const Vec2d& px) {
+    const auto vec = [](const float* v) { return Vec3d(v[0], v[1], v[2]); };
+    const Vec3d corner = vec(shadow.corner), across = vec(shadow.across), along = vec(shadow.along), up = glm::cross(along, across);
+    const Vec3d way =
+        glm::transpose(camera.viewFromWorldRotation) * Vec3d((px.x - camera.cx) / camera.fx, (px.y - camera.cy) / camera.fy, 1);
+    const double t = glm::dot(up, corner - camera.eye()) / glm::dot(up, way);
+    if (!(t > 0)) return false;
+    const Vec3d on = camera.eye() + t * way - corner;
+    const auto cell = [&](const Vec3d& axis) { return int(std::floor(DPL_CONTACT_SHADOW_PX * glm::dot(axis, on) / glm::dot(axis, axis))); };
+    const int side = int(DPL_CONTACT_SHADOW_PX), column = cell(across), row = cell(along);
+    for (int y = std::max(0, row - 1); y <= std::min(side - 1, row + 1); ++y)
+        for (int x = std::max(0, column - 1); x <= std::min(side - 1, column + 1); ++x)
+            if (shadow.alpha[size_t(y * side + x)] != 0) return true;
+    return false;
 }
 
 int compose(const char* avatarPath, const char* roomPath, const char* shotPath, double timeS) {
@@ -76,10 +93,13 @@ int compose(const char* avatarPath, const char* roomPath, const char* shotPath, 
     };
     draw(over, DPL_IMAGE_OVER, DPL_FORMAT_RGBA8_SRGB);
     draw(layer, 0, DPL_FORMAT_RGBA8);
+    const auto shadow = shown.avatar.contactShadow();
+    if (!shadow) give(shadow.error().message);
     double sum = 0;
     size_t covered = 0;
     for (size_t i = 0; i < pixels; ++i) {
         if (layer[4 * i + 3] == 0) continue;
+        if (showsShadow(*shadow, camera, Vec2d(double(i % shot.widthPx) + 0.5, double(i / shot.widthPx) + 0.5))) continue;
         ++covered;
         for (size_t c = 0; c < 3; ++c) {
             const double d = (double(over[4 * i + c]) - double(shot.pixels[3 * i + c])) / 255;
