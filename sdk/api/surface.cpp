@@ -54,7 +54,7 @@ extern "C" DplResult dplGetContactShadow(DplAvatar avatar, const float* floorM, 
             return fail(Code::InvalidArgument, "alpha has room for {} bytes; {} are needed", alphaBytes, s.shadow.alpha.size());
         const Placement& placed = found->placement;
         s.caster.cast(vertices, found->data->mesh.triangles, floorOf(placed, floorM), Vec3d(rootPosition(found->data->joints, found->pose)),
-                      s.shadow);
+                      s.shadow, s.leftOut);
         DplContactShadow out{};
         out.darkest = s.shadow.darkest;
         write(out.corner, placed.toWorld(s.shadow.corner));

@@ -1,5 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Layers that are hidden, by the CPU and by Vulkan.
+#include <algorithm>
+#include <cmath>
+
 #include "tests/unit/api/api_fixture.h"
 #include "tests/unit/surface/dressed.h"
 
@@ -112,6 +115,28 @@ TEST_P(LayersApiTest, picksAndTellsOfLayers) {
     ASSERT_EQ(dplGetLayerInfo(avatar_, kCoat, &info), DPL_OK);
     EXPECT_EQ(info.hidden, uint32_t(DPL_TRUE));
     EXPECT_EQ(dplGetLayerInfo(avatar_, 5, &info), DPL_ERROR_NOT_FOUND);
+}
+
+TEST_P(LayersApiTest, aHiddenLayerCastsNoShadow) {
+    const float lying[8] = {-std::sqrt(0.5f), 0, 0, std::sqrt(0.5f), 0, 0, 0, 1};  // faces up: the coat lies highest
+    ASSERT_EQ(dplSetPose(avatar_, lying, 2, nullptr), DPL_OK) << dplGetLastError();
+    float joints[6];
+    ASSERT_EQ(dplGetJointPositions(avatar_, joints, 2), DPL_OK);
+    const float floorM = joints[1] + 0.06f + 0.2f;  // 0.2 m from the coat, 0.24 m and more from what lies below it
+    const auto shadow = [&] {
+        std::vector<uint8_t> alpha(DPL_CONTACT_SHADOW_PX * DPL_CONTACT_SHADOW_PX);
+        DplContactShadow place{};
+        place.structSize = sizeof place;
+        EXPECT_EQ(dplGetContactShadow(avatar_, &floorM, alpha.data(), alpha.size(), &place), DPL_OK) << dplGetLastError();
+        return alpha;
+    };
+    const auto whole = shadow();
+    ASSERT_EQ(hide(kCoat), DPL_OK) << dplGetLastError();
+    const auto without = shadow();
+    EXPECT_GT(*std::ranges::max_element(without), 0);
+    EXPECT_GT(*std::ranges::max_element(whole), 2 * *std::ranges::max_element(without));
+    ASSERT_EQ(hide(kCoat, DPL_FALSE), DPL_OK);
+    EXPECT_EQ(shadow(), whole);
 }
 
 INSTANTIATE_TEST_SUITE_P(Renderers, LayersApiTest,
