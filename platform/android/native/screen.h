@@ -34,8 +34,8 @@ private:
     doppel::Status makePass(VkFormat format);
     void destroyPass();
     void destroyImages();
-    /** An error ends the screen; one of `avatars` does not. */
     doppel::Status setShadows(uint32_t slotIndex, const FrameRequest& request);
+    /** An error ends the screen; one of `avatars` does not. */
     doppel::Status record(uint32_t slotIndex, uint32_t image, const FrameRequest& request, doppel::Status& avatars);
 
     platform::Device& device_;
