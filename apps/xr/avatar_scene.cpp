@@ -218,15 +218,14 @@ doppel::Status AvatarScene::poseAvatar(const xr::Frame& frame) {
 
 doppel::Status AvatarScene::draw(const xr::Frame& frame) {
     const VkCommandBuffer commands = frame.commands;
-    std::vector<doppel::ContactShadow> shadows;
+    std::optional<doppel::ContactShadow> shadow;
     if (options_.withAvatar) DPL_SHELL_OK(poseAvatar(frame));
     if (options_.withAvatar && !rest_.empty()) {
-        DPL_SHELL_TRY(const doppel::ContactShadow shadow, avatar_.contactShadow(0.0f));  // the floor of the stage space
-        shadows.push_back(shadow);
+        DPL_SHELL_TRY(shadow, avatar_.contactShadow(0.0f));  // the floor of the stage space
     }
     for (uint32_t g = 0; g < frame.groupCount; ++g) {
         const xr::GroupFrame& group = frame.groups[g];
-        shadows_->set(group.slot, shadows);
+        shadows_->set(group.slot, {shadow ? &*shadow : nullptr, shadow ? 1u : 0u});
         for (uint32_t p = 0; p < images_->groups[g].passes; ++p)
             drawRoom(commands, images_->groups[g], group, p, passes_[g][p].drawing[group.colourImage[p]][group.depthImage[p]]);
     }

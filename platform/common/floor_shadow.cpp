@@ -79,16 +79,7 @@ void FloorShadows::set(uint32_t slot, std::span<const doppel::ContactShadow> sha
 
 void FloorShadows::record(VkCommandBuffer commands, VkExtent2D extent, const DplCamera* views, uint32_t viewCount, uint32_t slot) const {
     if (vertexCount_[slot] == 0) return;
-    vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, pipeline_);
-    const VkViewport viewport{0, 0, float(extent.width), float(extent.height), 0, 1};
-    const VkRect2D scissor{{0, 0}, extent};
-    vkCmdSetViewport(commands, 0, 1, &viewport);
-    vkCmdSetScissor(commands, 0, 1, &scissor);
-    const ViewPush push = viewPush(views, viewCount);
-    vkCmdPushConstants(commands, layout_, VK_SHADER_STAGE_VERTEX_BIT, 0, sizeof push, &push);
-    const VkDeviceSize start = 0;
-    vkCmdBindVertexBuffers(commands, 0, 1, &vertices_[slot].buffer, &start);
-    vkCmdDraw(commands, vertexCount_[slot], 1, 0, 0);
+    recordTriangles(commands, extent, {pipeline_, layout_, vertices_[slot].buffer, vertexCount_[slot]}, views, viewCount);
 }
 
 }  // namespace dpl::platform

@@ -62,16 +62,7 @@ Result<VkPipeline> Room::makePipeline(const RoomPass& pass, RoomLight light) con
 }
 
 void Room::record(VkCommandBuffer commands, VkExtent2D extent, const DplCamera* views, uint32_t viewCount, RoomLight light) const {
-    vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, pipelines_[int(light)]);
-    const VkViewport viewport{0, 0, float(extent.width), float(extent.height), 0, 1};
-    const VkRect2D scissor{{0, 0}, extent};
-    vkCmdSetViewport(commands, 0, 1, &viewport);
-    vkCmdSetScissor(commands, 0, 1, &scissor);
-    const ViewPush push = viewPush(views, viewCount);
-    vkCmdPushConstants(commands, layout_, VK_SHADER_STAGE_VERTEX_BIT, 0, sizeof push, &push);
-    const VkDeviceSize start = 0;
-    vkCmdBindVertexBuffers(commands, 0, 1, &vertices_.buffer, &start);
-    vkCmdDraw(commands, vertexCount_, 1, 0, 0);
+    recordTriangles(commands, extent, {pipelines_[int(light)], layout_, vertices_.buffer, vertexCount_}, views, viewCount);
 }
 
 }  // namespace dpl::platform

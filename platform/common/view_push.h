@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// Push constants of the vertex shaders of the shells: how the world is projected into the image of one view, or of both.
+// What the shells' own drawings of triangles share: push constants by which the world is projected into the image of one view, or of both.
 #pragma once
 
 #include <doppel/doppel.h>
 
 #include <algorithm>
+
+#include "platform/common/vulkan_help.h"
 
 namespace dpl::platform {
 
@@ -33,6 +35,28 @@ inline ViewPush viewPush(const DplCamera* views, uint32_t viewCount) {
         }
     }
     return push;
+}
+
+/** Triangles without indices. The layout has a ViewPush for the vertex shader. */
+struct DrawnTriangles {
+    VkPipeline pipeline = VK_NULL_HANDLE;
+    VkPipelineLayout layout = VK_NULL_HANDLE;
+    VkBuffer vertices = VK_NULL_HANDLE;
+    uint32_t vertexCount = 0;
+};
+/** Records them as one view sees them, or both. */
+inline void recordTriangles(VkCommandBuffer commands, VkExtent2D extent, const DrawnTriangles& drawn, const DplCamera* views,
+                            uint32_t viewCount) {
+    vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, drawn.pipeline);
+    const VkViewport viewport{0, 0, float(extent.width), float(extent.height), 0, 1};
+    const VkRect2D scissor{{0, 0}, extent};
+    vkCmdSetViewport(commands, 0, 1, &viewport);
+    vkCmdSetScissor(commands, 0, 1, &scissor);
+    const ViewPush push = viewPush(views, viewCount);
+    vkCmdPushConstants(commands, drawn.layout, VK_SHADER_STAGE_VERTEX_BIT, 0, sizeof push, &push);
+    const VkDeviceSize start = 0;
+    vkCmdBindVertexBuffers(commands, 0, 1, &drawn.vertices, &start);
+    vkCmdDraw(commands, drawn.vertexCount, 1, 0, 0);
 }
 
 }  // namespace dpl::platform
