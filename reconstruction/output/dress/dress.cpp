@@ -196,18 +196,22 @@ void updateEvidence(const std::vector<DressedLayer>& layers, std::vector<Evidenc
     }
 }
 
+/** The name of who wears the garments that nameOfDressed() added to it. */
+std::string undressed(const std::string& name) {
+    const bool dressed = std::ranges::any_of(kDressLayers, [&](const char* layer) { return name.ends_with(formatText("'s {}", layer)); });
+    return dressed ? name.substr(0, name.rfind(" in ")) : name;
+}
+
 /** "ada in ben's top and cleo's bottom": who wears whose garments, by the evidence of an avatar that was dressed before, or is now. */
 std::string nameOfDressed(const std::string& wearer, const std::vector<EvidenceData>& evidence) {
-    std::string name = wearer.substr(0, wearer.find(" in "));
+    std::string name = undressed(wearer);
     std::vector<std::string> garments;
     for (const char* layer : kDressLayers)
         for (const EvidenceData& row : evidence) {
-            const size_t open = row.reason.rfind('(');
-            if (row.part != std::string("garment layer: ") + layer || row.reason.find(kPutOn) == std::string::npos ||
-                open == std::string::npos)
-                continue;
-            const std::string from = row.reason.substr(open + 1, row.reason.rfind(')') - open - 1);
-            garments.push_back(formatText("{}'s {}", from.substr(0, from.find(" in ")), layer));
+            const size_t file = row.reason.find(kPutOn), open = row.reason.find(" (", file);
+            if (row.part != std::string("garment layer: ") + layer || file == std::string::npos || open == std::string::npos) continue;
+            const std::string from = row.reason.substr(open + 2, row.reason.rfind(')') - open - 2);
+            garments.push_back(formatText("{}'s {}", undressed(from), layer));
         }
     for (size_t i = 0; i < garments.size(); ++i) name += (i == 0 ? " in " : i + 1 == garments.size() ? " and " : ", ") + garments[i];
     return name;

@@ -144,6 +144,8 @@ TEST(Dress, theNameSaysWhoWearsWhat) {
     EXPECT_EQ(dressed.avatar.name, "ada in ben's shoes and ben's top");
     ada.avatar.name = "cleo";
     EXPECT_EQ(dress(dressed, {{"top", &ada}}).avatar.name, "ada in ben's shoes and cleo's top") << "dressed again";
+    ada.avatar.name = "ada in Rome", ben.avatar.name = "ben (2)";
+    EXPECT_EQ(dress(ada, {{"top", &ben}}).avatar.name, "ada in Rome in ben (2)'s top") << "her name is no garment";
 }
 
 TEST(Dress, anotherBodyWearsTheGarmentOutside) {
