@@ -68,10 +68,10 @@ static library, and files for CMake and pkg-config. The static library needs
 the recommended packages.")
 set(CPACK_DEBIAN_LIBDOPPEL-DEV_PACKAGE_SUGGESTS libopenxr-dev)
 # It carries a library of its own (apps/doppel), so that its one file installs alone.
-doppel_package(${doppel_tools_component} graphics "" "ffmpeg, colmap"
+doppel_package(${doppel_tools_component} graphics "" "ffmpeg, colmap, python3"
   "The program doppel: from videos of a person to an
 avatar, on the CPU. ffmpeg reads and writes videos, COLMAP finds cameras. No
-neural network is inside.")
+neural network is inside: doppel setup fetches them, with Python.")
 doppel_package(${doppel_viewer_component} graphics "${doppel_library_component} ${same_version}" "" "The programs doppel-viewer,
 which needs a Vulkan driver, and doppel-xr, which needs an OpenXR runtime.")
 add_custom_target(doppel_copyrights ALL DEPENDS ${copyrights})
