@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "reconstruction/run/first_look.h"
 
-#include <unistd.h>
-
 #include <algorithm>
 #include <atomic>
+#include <cerrno>
 #include <chrono>
+#include <cstdlib>
+#include <cstring>
+#include <utility>
 
 #include "reconstruction/base/image_codec.h"
 #include "reconstruction/base/image_file.h"
@@ -14,6 +16,7 @@
 #include "reconstruction/input/import/folder_contents.h"
 #include "reconstruction/input/import/video.h"
 #include "reconstruction/input/observe/observations.h"
+#include "sdk/core/evenly_spaced.h"
 #include "sdk/core/jobs.h"
 
 namespace dpl {
@@ -32,9 +35,16 @@ struct Source {
     fs::path file;
 };
 
-/** A folder of this process in the system's temporary folder, which goes with it. */
+/** A new folder in the system's temporary folder, which others can neither foresee nor enter. It goes with this object. */
 struct TemporaryFolder {
     fs::path path;
+    static Result<TemporaryFolder> make() {
+        std::string name = (fs::temp_directory_path() / "doppel-look-XXXXXX").string();
+        if (!::mkdtemp(name.data())) return fail(Code::Io, "cannot create {}: {}", name, std::strerror(errno));
+        return TemporaryFolder{name};
+    }
+    explicit TemporaryFolder(fs::path made) : path(std::move(made)) {}
+    TemporaryFolder(TemporaryFolder&& other) noexcept : path(std::exchange(other.path, {})) {}
     ~TemporaryFolder() {
         std::error_code ignored;
         if (!path.empty()) fs::remove_all(path, ignored);
@@ -58,13 +68,12 @@ Status addVideos(const std::vector<fs::path>& videos, FrameKind kind, size_t cou
 
 /** The pictures of one kind, thinned out evenly. */
 void addFrames(const Scan& scan, FrameKind kind, size_t count, std::vector<Source>& sources) {
-    std::vector<const ScanFrame*> frames;
-    for (const ScanFrame& frame : scan.frames)
-        if (frame.kind == kind) frames.push_back(&frame);
-    const size_t most = std::min(count, frames.size());
-    for (size_t i = 0; i < most; ++i) {
-        const size_t at = i * frames.size() / most;
-        sources.push_back({kind, size_t(kind), frames[at]->timeS > 0 ? frames[at]->timeS : double(at), frames[at]->imagePath});
+    std::vector<size_t> frames;
+    for (size_t f = 0; f < scan.frames.size(); ++f)
+        if (scan.frames[f].kind == kind) frames.push_back(f);
+    for (const size_t f : evenlySpaced(frames, count)) {
+        const ScanFrame& frame = scan.frames[f];
+        sources.push_back({kind, size_t(kind), frame.timeS > 0 ? frame.timeS : double(f), frame.imagePath});
     }
 }
 
@@ -86,16 +95,14 @@ Result<std::vector<FilmPicture>> measure(const std::vector<Source>& sources, con
             DPL_TRY(Picture picture, decodePicture(bytes, PictureChannels::Rgb));
             const ImageRgb8 image{picture.widthPx, picture.heightPx, std::move(picture.pixels)};
             const bool inTime = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count() < kLookingS;
-            std::optional<GlancedPerson> person;
+            std::optional<Glance> glance;
             if (!models.empty() && inTime) {
                 if (!observers[worker]) {
                     DPL_TRY(observers[worker], Observer::load(models));
                 }
-                DPL_TRY(Glance glance, observers[worker]->glance(image));
-                person = GlancedPerson{glance.people, glance.secondShare, std::move(glance.landmarks), std::move(glance.confidence),
-                                       glance.turnRad};
+                DPL_TRY(glance, observers[worker]->glance(image));
             }
-            pictures[i] = measureFilmPicture(image, sources[i].kind, sources[i].film, sources[i].timeS, person ? &*person : nullptr);
+            pictures[i] = measureFilmPicture(image, sources[i].kind, sources[i].film, sources[i].timeS, glance ? &*glance : nullptr);
             return {};
         };
         failures[i] = work();
@@ -142,7 +149,7 @@ Result<std::optional<FirstLook>> takeFirstLook(const ReconstructOptions& options
     if (!scan && !(findProgram("ffmpeg") && findProgram("ffprobe")))
         return std::optional<FirstLook>();  // the long check names all that lacks
     progress.beginStage("first look");
-    TemporaryFolder temporary{fs::temp_directory_path() / formatText("doppel-look-{}", ::getpid())};
+    DPL_TRY(const TemporaryFolder temporary, TemporaryFolder::make());
     const VideoWork work{temporary.path, &Progress::cancelFlag(), {}};
     std::vector<Source> sources;
     if (scan) {

@@ -11,6 +11,7 @@
 #include "reconstruction/subject/surface/body_places.h"
 #include "reconstruction/subject/surface/orbit_camera.h"
 #include "reconstruction/training/correctives/motion_model.h"
+#include "sdk/core/evenly_spaced.h"
 #include "sdk/core/task.h"
 
 namespace dpl {
@@ -50,10 +51,7 @@ std::vector<size_t> filmRows(const FrameTable& table, std::span<const Camerad> c
         rows.push_back(row);
     }
     std::stable_sort(rows.begin(), rows.end(), [&](size_t a, size_t b) { return table.scan.frames[a].timeS < table.scan.frames[b].timeS; });
-    if (rows.size() <= kFilmPictures) return rows;
-    std::vector<size_t> thinned;
-    for (size_t i = 0; i < kFilmPictures; ++i) thinned.push_back(rows[i * rows.size() / kFilmPictures]);
-    return thinned;
+    return evenlySpaced(rows, kFilmPictures);
 }
 
 Result<ReportClip> filmClip(const FilmedAvatar& filmed, AvatarView& view, std::span<const size_t> rows) {

@@ -8,6 +8,7 @@
 #include <span>
 #include <string_view>
 
+#include "reconstruction/input/capture/glance.h"
 #include "reconstruction/input/capture/scan.h"
 #include "sdk/core/jobs.h"
 
@@ -45,15 +46,6 @@ struct SeenPerson {
     PersonBox box;    // round the landmarks, with room for head, hands and feet
     PersonCrop crop;  // what the pose network should get
     double score = 0;
-};
-
-/** What a short look tells of a picture: the best person in it. */
-struct Glance {
-    size_t people = 0;               // confirmed; 0: the rest is empty
-    double secondShare = 0;          // height of the second person's box, of the first one's
-    std::vector<Vec2d> landmarks;    // 33, BlazePose order, pixels; outside the picture where the network says so
-    std::vector<double> confidence;  // 33, 0 … 1: in the picture and not hidden
-    double turnRad = 0;              // where the camera stands round the person: 0 before the chest, π/2 at the person's left
 };
 
 /** The networks of one folder (models_folder.h). Each thread needs its own. */

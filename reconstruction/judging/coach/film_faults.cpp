@@ -274,7 +274,7 @@ private:
 
 }  // namespace
 
-FilmPicture measureFilmPicture(const ImageRgb8& image, FrameKind kind, size_t film, double timeS, const GlancedPerson* person) {
+FilmPicture measureFilmPicture(const ImageRgb8& image, FrameKind kind, size_t film, double timeS, const Glance* glance) {
     FilmPicture out{.kind = kind, .film = film, .timeS = timeS, .widthPx = image.widthPx, .heightPx = image.heightPx};
     const cv::Mat rgb(int(image.heightPx), int(image.widthPx), CV_8UC3, const_cast<uint8_t*>(image.pixels.data()));
     const cv::Scalar mean = cv::mean(rgb);
@@ -282,10 +282,10 @@ FilmPicture measureFilmPicture(const ImageRgb8& image, FrameKind kind, size_t fi
     std::vector<float> sigmas;
     for (const EdgeBlur& edge : edgeBlurs(image, {})) sigmas.push_back(edge.sigmaPx);
     out.blurPx = blurOf(std::move(sigmas));
-    out.looked = person != nullptr;
-    if (!person || person->landmarks.size() < 33 || person->confidence.size() < 33) return out;
-    out.person = *person;
-    const auto& at = person->landmarks;
+    out.looked = glance != nullptr;
+    if (!glance || glance->landmarks.size() < 33 || glance->confidence.size() < 33) return out;
+    out.person = *glance;
+    const auto& at = glance->landmarks;
     const Vec2d hipsDown[2] = {0.5 * (at[kLeftHip] + at[kLeftKnee]), 0.5 * (at[kLeftHip + 1] + at[kLeftKnee + 1])};
     out.clothes[0] = colourBetween(rgb, {at[kLeftShoulder], at[kLeftShoulder + 1], at[kLeftHip + 1], at[kLeftHip]});
     out.clothes[1] = colourBetween(rgb, {at[kLeftHip], at[kLeftHip + 1], hipsDown[1], hipsDown[0]});

@@ -9,18 +9,10 @@
 #include <vector>
 
 #include "reconstruction/input/capture/frame_picture.h"
+#include "reconstruction/input/capture/glance.h"
 #include "reconstruction/input/capture/scan.h"
 
 namespace dpl {
-
-/** The person as one look of the pose network shows them. */
-struct GlancedPerson {
-    size_t people = 1;               // in view
-    double secondShare = 0;          // height of the second one, of the first
-    std::vector<Vec2d> landmarks;    // 33, BlazePose order, pixels; may lie outside the picture
-    std::vector<double> confidence;  // 33, 0 … 1: in the picture and not hidden
-    double turnRad = 0;              // where the camera stands round the person: 0 in front, π/2 at the person's left
-};
 
 /** Measures of one picture. */
 struct FilmPicture {
@@ -31,12 +23,12 @@ struct FilmPicture {
     double luma = 0;              // mean, 0 … 255
     std::optional<float> blurPx;  // of its edges; none: too few edges
     bool looked = false;          // by the pose network
-    std::optional<GlancedPerson> person;
+    std::optional<Glance> person;
     std::array<std::optional<Vec3f>, 2> clothes;  // mean colour of the belly and of the thighs, CIELAB
 };
 
-/** Measures a picture. person: null where no network looked; with no landmarks: it found nobody. */
-FilmPicture measureFilmPicture(const ImageRgb8& image, FrameKind kind, size_t film, double timeS, const GlancedPerson* person);
+/** Measures a picture. glance: null where no network looked. */
+FilmPicture measureFilmPicture(const ImageRgb8& image, FrameKind kind, size_t film, double timeS, const Glance* glance);
 
 /** One thing that is wrong, worst first. */
 struct FilmFault {

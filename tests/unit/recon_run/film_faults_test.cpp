@@ -40,7 +40,7 @@ std::vector<FilmPicture> goodFilm() {
     const auto add = [&](FrameKind kind, double turnRad, double handPx) -> FilmPicture& {
         FilmPicture p{.kind = kind, .film = size_t(kind), .timeS = double(film.size()), .widthPx = 540, .heightPx = 960};
         p.luma = 110, p.blurPx = 0.8f, p.looked = true;
-        GlancedPerson person{1, 0, std::vector<Vec2d>(33, Vec2d(270, 400)), std::vector<double>(33, 0.95), turnRad};
+        Glance person{1, 0, std::vector<Vec2d>(33, Vec2d(270, 400)), std::vector<double>(33, 0.95), turnRad};
         for (const int side : {0, 1}) {
             const double x = 270 + (side ? -60 : 60);
             person.landmarks[11 + size_t(side)] = {x, 200}, person.landmarks[13 + size_t(side)] = {x, 330};
@@ -94,7 +94,7 @@ protected:
         double timeS;
         Vec3d eye;
         ImageRgb8 image;
-        GlancedPerson person;
+        Glance glance;
     };
     using Film = std::vector<Shown>;
     static inline std::unique_ptr<Jobs> jobs_;
@@ -109,7 +109,7 @@ protected:
                 failures[i] = glance.error();
                 return;
             }
-            film[i].person = {glance->people, glance->secondShare, glance->landmarks, glance->confidence, glance->turnRad};
+            film[i].glance = *glance;
         });
         for (const Status& s : failures) ASSERT_TRUE(s) << s.error().message;
     }
@@ -139,7 +139,7 @@ protected:
 
     static std::vector<FilmPicture> measured(const Film& film) {
         std::vector<FilmPicture> pictures;
-        for (const Shown& s : film) pictures.push_back(measureFilmPicture(s.image, s.kind, size_t(s.kind), s.timeS, &s.person));
+        for (const Shown& s : film) pictures.push_back(measureFilmPicture(s.image, s.kind, size_t(s.kind), s.timeS, &s.glance));
         return pictures;
     }
     /** scan-a with its still pictures changed, and looked at again. */
@@ -182,7 +182,7 @@ TEST_F(Films, aClosedShutter) {
     for (Shown& s : film)
         if (s.kind == FrameKind::StaticFull && s.timeS > 30 && s.timeS < 40) {
             std::ranges::fill(s.image.pixels, uint8_t(3));
-            s.person.landmarks.clear();
+            s.glance.landmarks.clear();
         }
     expectNamed(film, "black");
 }
