@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // <doppel-avatar src="ada.glb" clip="walk" autoplay camera-controls poster="ada.png"></doppel-avatar>
 //
-// Attributes: src, the file. clip: name or number of the clip; without it the first one. autoplay: plays, unless the visitor asks for reduced
-// motion. camera-controls: drag, wheel, two fingers, arrow keys, + and -. poster: a picture until the first one is drawn, and where none can
-// be. module: where doppel.wasm is. alt: what the picture shows, for those who do not see it.
+// Attributes: src, the file. clip: name or number of the clip; without it the first one. autoplay: plays, unless the visitor asks for
+// reduced motion. camera-controls: drag, wheel, two fingers, arrow keys, + and -. poster: a picture until the first one is drawn, and where
+// none can be. module: where doppel.wasm is. alt: what the picture shows, for those who do not see it.
 // Events: progress (detail: loaded, total), load, first-picture, error (detail: message, code). Slot `poster` takes other contents.
 // It draws on the CPU. Where a picture takes longer than FRAME_MS, the next ones have fewer pixels, and the browser enlarges them.
 import { Doppel, DoppelError } from './doppel.js';
@@ -159,7 +159,9 @@ export class DoppelAvatarElement extends (globalThis.HTMLElement ?? class {}) {
       this.#tell('load', { name: person.name, splatCount: person.splatCount });
       this.redraw();
     } catch (error) {
-      if (!loading.signal.aborted) this.#fail(error instanceof TypeError ? new DoppelError(`src or module is no address: ${error.message}`, 'NETWORK') : error);
+      if (loading.signal.aborted) return;
+      const isAddress = !(error instanceof TypeError);
+      this.#fail(isAddress ? error : new DoppelError(`src or module is no address: ${error.message}`, 'NETWORK'));
     }
   }
 
@@ -216,7 +218,8 @@ export class DoppelAvatarElement extends (globalThis.HTMLElement ?? class {}) {
     const halfHeight = (restMax[1] - restMin[1]) / 2 || 1;
     const halfWidth = Math.max(0.3 * halfHeight, Math.min((restMax[0] - restMin[0]) / 2, halfHeight));
     const tangent = Math.tan(FOV_Y / 2), whole = 1.15 * Math.max(halfHeight, halfWidth * height / width) / tangent;
-    const direction = [Math.sin(this.#azimuth) * Math.cos(this.#elevation), Math.sin(this.#elevation), Math.cos(this.#azimuth) * Math.cos(this.#elevation)];
+    const level = Math.cos(this.#elevation);
+    const direction = [Math.sin(this.#azimuth) * level, Math.sin(this.#elevation), Math.cos(this.#azimuth) * level];
     const at = distance => target.map((value, k) => value + direction[k] * distance);
     const nearest = this.#person.nearestDistance(target, at(whole), height / (2 * tangent), MAGNIFICATION);
     this.#zoom = Math.min(FARTHEST, Math.max(NEAREST, Math.min(1, nearest / whole), this.#zoom));

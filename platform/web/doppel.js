@@ -10,7 +10,7 @@
 // Units and frames are those of the C API (doppel.h): metres, seconds, radians; +Y up, the person faces +Z; quaternions are x, y, z, w.
 // Each person has an instance of the module, and so memory of their own, which ends with the person. The module is compiled once.
 
-/** What went wrong, in a sentence of the library. `code`: a name such as 'DPL_ERROR_CORRUPT_DATA', or 'NETWORK' where a file did not come. */
+/** What went wrong, in a sentence of the library. `code`: a name such as 'DPL_ERROR_CORRUPT_DATA'; 'NETWORK' where a file did not come. */
 export class DoppelError extends Error {
   constructor(message, code) {
     super(message);
@@ -19,9 +19,10 @@ export class DoppelError extends Error {
   }
 }
 
-const RESULTS = ['DPL_OK', 'DPL_ERROR_INVALID_ARGUMENT', 'DPL_ERROR_NOT_FOUND', 'DPL_ERROR_CORRUPT_DATA', 'DPL_ERROR_VERSION', 'DPL_ERROR_UNSUPPORTED',
-  'DPL_ERROR_OUT_OF_MEMORY', 'DPL_ERROR_IO', 'DPL_ERROR_DEVICE', 'DPL_ERROR_INTERNAL'];
+const RESULTS = ['DPL_OK', 'DPL_ERROR_INVALID_ARGUMENT', 'DPL_ERROR_NOT_FOUND', 'DPL_ERROR_CORRUPT_DATA', 'DPL_ERROR_VERSION',
+  'DPL_ERROR_UNSUPPORTED', 'DPL_ERROR_OUT_OF_MEMORY', 'DPL_ERROR_IO', 'DPL_ERROR_DEVICE', 'DPL_ERROR_INTERNAL'];
 const OUT_OF_MEMORY = 6;
+const wrong = sentence => new DoppelError(sentence, 'DPL_ERROR_INVALID_ARGUMENT');
 const MAX_FILE_BYTES = 512 * 1024 * 1024;
 const PAGE_BYTES = 65536, FIRST_PAGES = 64, MOST_PAGES = 32768;  // the limits of memory in CMakeLists.txt
 const MEMORY_LIMIT = 1 << 30;
@@ -52,7 +53,8 @@ export async function fetchBytes(source, { onProgress, signal } = {}) {
     return await readAll(response, name, onProgress);
   } catch (error) {
     if (error instanceof DoppelError || error?.name === 'AbortError') throw error;
-    throw new DoppelError(`${name}: cannot be fetched (${error?.message ?? error}); is the address right, and does its server allow this page (CORS)?`,
+    const why = error?.message ?? error;
+    throw new DoppelError(`${name}: cannot be fetched (${why}); is the address right, and does its server allow this page (CORS)?`,
       'NETWORK');
   }
 }
@@ -146,11 +148,12 @@ export class Doppel {
   #exports; #memory; #context = 0; #avatar = 0; #scratch = 0; #image = 0; #imageBytes = 0; #lost = null;
 
   /** Loads an avatar (.glb) or general splats.
-   *  source: a URL, a Response, a Blob, or bytes. options.module: where doppel.wasm is, its bytes, or the compiled module; otherwise beside this
-   *  file. options.onProgress(loaded, total): bytes of the file. options.signal: an AbortSignal. options.memoryLimit: most memory for this person, bytes; usually
-   *  1 GiB. options.onLog(line): warnings of the library; otherwise they go to the console. */
+   *  source: a URL, a Response, a Blob, or bytes. options.module: where doppel.wasm is, its bytes, or the compiled module; otherwise beside
+   *  this file. options.onProgress(loaded, total): bytes of the file. options.signal: an AbortSignal. options.memoryLimit: most memory for
+   *  this person, bytes; usually 1 GiB. options.onLog(line): warnings of the library; otherwise they go to the console. */
   static async load(source, options = {}) {
-    const [module, bytes] = await Promise.all([compile(options.module ?? new URL('./doppel.wasm', import.meta.url)), fetchBytes(source, options)]);
+    const where = options.module ?? new URL('./doppel.wasm', import.meta.url);
+    const [module, bytes] = await Promise.all([compile(where), fetchBytes(source, options)]);
     options.signal?.throwIfAborted();
     const person = new Doppel();
     await person.#start(module, options.memoryLimit ?? MEMORY_LIMIT, options.onLog ?? (line => console.warn(line)));
@@ -161,11 +164,13 @@ export class Doppel {
   async #start(module, memoryLimit, onLog) {
     let instance;
     try {
-      this.#memory = new WebAssembly.Memory({ initial: FIRST_PAGES, maximum: Math.min(MOST_PAGES, Math.max(FIRST_PAGES, Math.floor(memoryLimit / PAGE_BYTES))) });
+      const maximum = Math.min(MOST_PAGES, Math.max(FIRST_PAGES, Math.floor(memoryLimit / PAGE_BYTES)));
+      this.#memory = new WebAssembly.Memory({ initial: FIRST_PAGES, maximum });
       const imports = importsOf(module, () => this.#memory, at => this.#text(at), onLog);
       instance = await WebAssembly.instantiate(module, imports);
     } catch (error) {
-      throw new DoppelError(`the module does not start: ${error.message}`, error instanceof RangeError ? RESULTS[OUT_OF_MEMORY] : 'DPL_ERROR_UNSUPPORTED');
+      const code = error instanceof RangeError ? RESULTS[OUT_OF_MEMORY] : 'DPL_ERROR_UNSUPPORTED';
+      throw new DoppelError(`the module does not start: ${error.message}`, code);
     }
     this.#exports = instance.exports;
     this.#call('_initialize');
@@ -205,11 +210,13 @@ export class Doppel {
     return { name: this.#text(this.#call('webClipName', this.#avatar, i)), duration: this.#call('webClipDuration', this.#avatar, i) };
   }
 
-  /** Poses the person: a quaternion for each joint, 4 · joints.length numbers; the identity is the rest pose. translation: of the root, metres. */
+  /** Poses the person: a quaternion for each joint, 4 · joints.length numbers; the identity is the rest pose. translation: of the root,
+   *  metres. */
   setPose(rotations, translation = [0, 0, 0]) {
     const count = this.joints.length;
-    if (rotations.length !== 4 * count) throw new DoppelError(`${rotations.length} numbers for the rotations of ${count} joints; 4 for each are needed`, RESULTS[1]);
-    if (translation.length !== 3) throw new DoppelError(`a translation of ${translation.length} numbers; 3 are needed`, RESULTS[1]);
+    if (rotations.length !== 4 * count)
+      throw wrong(`${rotations.length} numbers for the rotations of ${count} joints; 4 for each are needed`);
+    if (translation.length !== 3) throw wrong(`a translation of ${translation.length} numbers; 3 are needed`);
     const at = this.#call('webAllocate', 16 * count + 12);
     if (!at) throw this.#refused(16 * count);
     const floats = new Float32Array(this.#memory.buffer, at, 4 * count + 3);
@@ -225,12 +232,14 @@ export class Doppel {
     let index = clip;
     if (typeof clip === 'string') {
       index = this.clips.findIndex(c => c.name === clip);
-      if (index < 0) throw new DoppelError(`there is no clip '${clip}'; there are: ${this.clips.map(c => c.name).join(', ') || 'none'}`, RESULTS[2]);
+      const names = this.clips.map(c => c.name).join(', ') || 'none';
+      if (index < 0) throw new DoppelError(`there is no clip '${clip}'; there are: ${names}`, RESULTS[2]);
     }
     this.#check(this.#call('dplSetPoseFromClip', this.#avatar, index, time, loop ? 1 : 0));
   }
 
-  /** Reads a motion (BVH or GLB) for this person and returns the number of the new clip. source: as of Doppel.load. inPlace: without travel. */
+  /** Reads a motion (BVH or GLB) for this person and returns the number of the new clip. source: as of Doppel.load. inPlace: without
+   *  travel. */
   async loadClip(source, { name = '', animation = 0, inPlace = false, ...options } = {}) {
     const bytes = await fetchBytes(source, options);
     const data = this.#put(bytes), title = name ? this.#put(encoder.encode(name + '\0')) : 0;
@@ -245,7 +254,7 @@ export class Doppel {
 
   /** Places the person in the world: 12 numbers, a 3×4 matrix row by row; null: where they were at first. */
   setTransform(worldFromAvatar) {
-    if (worldFromAvatar && worldFromAvatar.length !== 12) throw new DoppelError(`a transform of ${worldFromAvatar.length} numbers; 12 are needed`, RESULTS[1]);
+    if (worldFromAvatar && worldFromAvatar.length !== 12) throw wrong(`a transform of ${worldFromAvatar.length} numbers; 12 are needed`);
     this.#alive();
     if (worldFromAvatar) new Float32Array(this.#memory.buffer, this.#scratch, 12).set(worldFromAvatar);
     this.#check(this.#call('dplSetTransform', this.#avatar, worldFromAvatar ? this.#scratch : 0));
@@ -267,7 +276,8 @@ export class Doppel {
     return positions;
   }
 
-  /** A camera {width, height, fx, fy, cx, cy, viewFromWorld} for draw(). It looks along its +z, with y down. fovY: vertical field of view, radians. */
+  /** A camera {width, height, fx, fy, cx, cy, viewFromWorld} for draw(). It looks along its +z, with y down. fovY: vertical field of view,
+   *  radians. */
   lookAt({ eye, target, up = [0, 1, 0], fovY = 0.8, width, height }) {
     this.#alive();
     new Float32Array(this.#memory.buffer, this.#scratch, 9).set([...eye, ...target, ...up].slice(0, 9));
@@ -276,12 +286,13 @@ export class Doppel {
     return { width: w, height: h, fx, fy, cx, cy, viewFromWorld };
   }
 
-  /** The nearest distance from which a detail that the scan just shows is drawn over `magnification` pixels, metres; 0: the file does not say.
-   *  point: what the camera looks at. focalPx: fx of the camera. */
+  /** The nearest distance from which a detail that the scan just shows is drawn over `magnification` pixels, metres; 0: the file does not
+   *  say. point: what the camera looks at. focalPx: fx of the camera. */
   nearestDistance(point, eye, focalPx, magnification) {
     this.#alive();
     new Float32Array(this.#memory.buffer, this.#scratch, 6).set([...point, ...eye].slice(0, 6));
-    this.#check(this.#call('dplGetNearestDistance', this.#avatar, this.#scratch, this.#scratch + 12, focalPx, magnification, this.#scratch + 24));
+    const at = this.#scratch;
+    this.#check(this.#call('dplGetNearestDistance', this.#avatar, at, at + 12, focalPx, magnification, at + 24));
     return new Float32Array(this.#memory.buffer, this.#scratch + 24, 1)[0];
   }
 
@@ -306,15 +317,16 @@ export class Doppel {
   /** Drops the person and their memory. */
   dispose() {
     this.#exports = this.#memory = null;
-    this.#lost = new DoppelError('this person was disposed of', RESULTS[1]);
+    this.#lost = wrong('this person was disposed of');
   }
 
   /** Writes a camera to the scratch memory. Returns the bytes of its picture. */
   #setCamera(camera) {
     const { width, height } = camera;
     for (const side of [width, height])
-      if (!Number.isInteger(side) || side < 1 || side > MAX_SIDE_PX) throw new DoppelError(`a picture of ${width} × ${height} pixels; sides are whole numbers from 1 to ${MAX_SIDE_PX}`, RESULTS[1]);
-    if (camera.viewFromWorld?.length !== 12) throw new DoppelError('viewFromWorld of the camera must have 12 numbers', RESULTS[1]);
+      if (!Number.isInteger(side) || side < 1 || side > MAX_SIDE_PX)
+        throw wrong(`a picture of ${width} × ${height} pixels; sides are whole numbers from 1 to ${MAX_SIDE_PX}`);
+    if (camera.viewFromWorld?.length !== 12) throw wrong('viewFromWorld of the camera must have 12 numbers');
     this.#alive();
     const numbers = new Float64Array(this.#memory.buffer, this.#scratch, 18);
     numbers[0] = width, numbers[1] = height, numbers[2] = camera.fx, numbers[3] = camera.fy, numbers[4] = camera.cx, numbers[5] = camera.cy;
