@@ -7,6 +7,7 @@
 
 #include <doppel/doppel.h>
 #include <doppel/doppel_convert.h>
+#include <doppel/doppel_splats.h>
 
 #define EXPORT(name) extern "C" __attribute__((export_name(#name), used)) auto name
 
@@ -122,6 +123,20 @@ EXPORT(webRender)
     image.flags = flags;
     image.rgba = rgba, image.rgbaBytes = rgbaBytes;
     return dplRender(context, avatar, &camera, 1, &image);
+}
+
+/** dplProject of viewCount cameras, 18 numbers each. Writes 3 numbers: splats of the first view, of the second, samples. */
+EXPORT(webProject)
+(DplContext context, DplAvatar avatar, const double* cameraNumbers, uint32_t viewCount, DplScreenSplat* splats, uint32_t capacity,
+ uint32_t* numbers)
+    ->DplResult {
+    DplCamera cameras[DPL_MAX_VIEWS];
+    for (uint32_t v = 0; v < viewCount && v < DPL_MAX_VIEWS; ++v) cameras[v] = cameraOf(cameraNumbers + 18 * v);
+    DplProjection made{};
+    made.structSize = sizeof made;
+    const DplResult result = dplProject(context, &avatar, 1, cameras, viewCount, splats, capacity, &made);
+    numbers[0] = made.counts[0], numbers[1] = made.counts[1], numbers[2] = made.samples;
+    return result;
 }
 
 /** Writes 18 numbers, as cameraOf() reads them. vectors: eye, target, up. */

@@ -7,6 +7,7 @@
 #include "sdk/api/compose.h"
 #include "sdk/api/frame_stats.h"
 #include "sdk/api/scene.h"
+#include "sdk/include/doppel/doppel_splats.h"
 
 using namespace dpl;
 using namespace dpl::api;
@@ -121,6 +122,29 @@ Status draw(DplContext context, std::span<const DplAvatar> avatars, const DplCam
     return drawTaken(scene, wants);
 }
 
+static_assert(sizeof(DplScreenSplat) == sizeof(ScreenSplat) && offsetof(DplScreenSplat, depthM) == offsetof(ScreenSplat, depthM) &&
+              offsetof(DplScreenSplat, slope) == offsetof(ScreenSplat, slope) &&
+              offsetof(DplScreenSplat, inverseVarianceY) == offsetof(ScreenSplat, inverseVarianceY) &&
+              offsetof(DplScreenSplat, opacity) == offsetof(ScreenSplat, opacity));
+
+Status project(DplContext context, std::span<const DplAvatar> avatars, const DplCamera* views, uint32_t viewCount, DplScreenSplat* splats,
+               uint32_t capacity, DplProjection* projection) {
+    if (splats == nullptr && capacity > 0) return fail(Code::InvalidArgument, "splats is NULL");
+    DPL_TRY(Scene scene, sceneOf(context, avatars, viewCount));
+    DPL_RETURN_IF_ERROR(takeViews(scene, views, viewCount));
+    DPL_RETURN_IF_ERROR(readStruct<DplProjection>(projection, "projection"));
+    Avatar& a = scene.first();
+    a.drawnViews = 0;
+    Drawn what[DPL_MAX_TOGETHER];
+    setDetailOfDraw(*scene.context, a);
+    DPL_TRY(const ScreenSplats made, scene.context->renderer->projectTogether(scene.drawn(what), scene.context->cameras,
+                                                                              {reinterpret_cast<ScreenSplat*>(splats), capacity}));
+    DplProjection out{};
+    std::copy(std::begin(made.counts), std::end(made.counts), out.counts);
+    out.samples = made.samples;
+    return writeStruct(projection, out, "projection");
+}
+
 }  // namespace
 
 extern "C" DplResult dplRender(DplContext context, DplAvatar avatar, const DplCamera* views, uint32_t viewCount, const DplImage* images) {
@@ -144,6 +168,14 @@ extern "C" DplResult dplDrawTogether(DplContext context, const DplAvatar* avatar
     return guarded("dplDrawTogether", [&]() -> Status {
         DPL_TRY(const auto set, together(avatars, avatarCount));
         return draw(context, set, views, viewCount, flags);
+    });
+}
+
+extern "C" DplResult dplProject(DplContext context, const DplAvatar* avatars, uint32_t avatarCount, const DplCamera* views,
+                                uint32_t viewCount, DplScreenSplat* splats, uint32_t capacity, DplProjection* projection) {
+    return guarded("dplProject", [&]() -> Status {
+        DPL_TRY(const auto set, together(avatars, avatarCount));
+        return project(context, set, views, viewCount, splats, capacity, projection);
     });
 }
 

@@ -15,6 +15,7 @@
 #include "sdk/avatar/rig.h"
 #include "sdk/core/pass_time.h"
 #include "sdk/core/result.h"
+#include "sdk/draw/screen_splat.h"
 #include "sdk/format/avatar_data.h"
 #include "sdk/format/coded_splats.h"
 #include "sdk/math/camera.h"
@@ -172,6 +173,12 @@ public:
     virtual Status drawTogether(std::span<const Drawn> what, std::span<const Cameraf> views, const FrameWants& wants) = 0;
     /** drawTogether with one subject. */
     Status draw(RenderAvatarId avatar, const Pose& pose, std::span<const Cameraf> views, const FrameWants& wants);
+    /** The same frame without filling pixels: writes the splats of each view that pixels would be made of, farthest first, ties with the
+     * later one first. InvalidArgument: as drawTogether, or there are more splats than `out` has room for. Unsupported: a renderer on a
+     * GPU, which keeps them there. read() has no picture of this frame. */
+    virtual Result<ScreenSplats> projectTogether(std::span<const Drawn>, std::span<const Cameraf>, std::span<ScreenSplat>) {
+        return fail(Code::Unsupported, "only the CPU renderer gives projected splats");
+    }
     /** Waits for the subject's last frame and returns its pixels. For files and tests; a program with a screen shows the frame without
      * reading it back. InvalidArgument when nothing was drawn. */
     virtual Result<std::span<const PixelView>> read(RenderAvatarId avatar) = 0;

@@ -121,45 +121,45 @@ public:
 
     Status drawTogether(std::span<const Drawn> what, std::span<const Cameraf> views, const FrameWants& wants) override {
         const auto start = std::chrono::steady_clock::now();
-        DPL_RETURN_IF_ERROR(checkDraw(what, views, wants, [this](RenderAvatarId id) { return jointsOf(id); }));
-        together_.clear();
-        uint32_t samples = 1;
-        for (const Drawn& one : what) {
-            Drawable& d = *drawables_.at(one.avatar);
-            SubjectViews& seenBy = seenBy_[together_.size()];
-            seenBy = SubjectViews(one.placement, views);
-            together_.push_back(&d);
-            if (!d.avatar) continue;
-            setPose(d, *one.pose);
-            hideLayers(d, one.hiddenLayers);
-            samples = std::max(samples, coverageSamples(d.trainedPixelM, rootPosition(d.avatar->joints, d.pose), seenBy.cameras()));
-        }
-        setDetails();
-        leaveOutUnseen();
+        DPL_TRY(const uint32_t samples, startFrame(what, views, wants));
         Drawable& first = *together_[0];
         if (first.pictures.size() < views.size()) first.pictures.resize(views.size());
         first.pixels.resize(views.size());
-        FrameStats& stats = first.stats;
-        stats.views = uint32_t(views.size()), stats.splatsDrawn = 0, stats.bytesDecided = 0, stats.bytesDecoded = 0;
-        stats.splatsAllowed = splats_.drawn, stats.components = stats.componentsInView = 0;
-        for (const Drawable* d : together_) stats.components += d->components.count(), stats.componentsInView += d->componentsInView;
         for (size_t v = 0; v < views.size(); ++v) {
             RenderedView& picture = first.pictures[v];
-            bool started = false;
-            for (size_t k = 0; k < together_.size(); ++k)
-                if (together_[k]->seen) project(*together_[k], seenBy_[k][v], samples, started), started = true;
-            if (!started) engine_.project(PackedSplats(), {}, views[v], 0, false, samples);
-            stats.bytesDecided += engine_.decidedBytes(), stats.bytesDecoded += engine_.decodedBytes();
+            projectView(v, views[v], samples);
             engine_.bin();
             engine_.blendRgba8(picture.rgba, wants.depth ? &picture.depthM : nullptr, wants.sceneDepthM[v]);
             first.pixels[v] = {views[v].widthPx, views[v].heightPx, picture.rgba, {}, {}};
             if (wants.depth) first.pixels[v].depthM = picture.depthM;
             if (wants.meshDepth) first.pixels[v].meshDepthM = drawMeshes(v, picture.meshDepthM);
-            stats.splatsDrawn = std::max(stats.splatsDrawn, engine_.visibleCount());
+            first.stats.splatsDrawn = std::max(first.stats.splatsDrawn, engine_.visibleCount());
         }
-        const std::chrono::duration<double, std::milli> took = std::chrono::steady_clock::now() - start;
-        first.timing = {++frameNumber_, took.count(), splats_.drawn, splats_};
+        endFrame(start);
         return {};
+    }
+
+    Result<ScreenSplats> projectTogether(std::span<const Drawn> what, std::span<const Cameraf> views, std::span<ScreenSplat> out) override {
+        const auto start = std::chrono::steady_clock::now();
+        DPL_TRY(const uint32_t samples, startFrame(what, views, FrameWants()));
+        Drawable& first = *together_[0];
+        first.pixels.clear();
+        ScreenSplats made;
+        made.samples = samples;
+        size_t written = 0;
+        for (size_t v = 0; v < views.size(); ++v) {
+            projectView(v, views[v], samples);
+            engine_.sort();
+            const uint32_t count = made.counts[v] = engine_.visibleCount();
+            if (count > out.size() - written)
+                return fail(Code::InvalidArgument, "room for {} splats; view {} shows {} after {} of the views before it", out.size(), v,
+                            count, written);
+            engine_.writeSorted(out.subspan(written, count));
+            written += count;
+            first.stats.splatsDrawn = std::max(first.stats.splatsDrawn, count);
+        }
+        endFrame(start);
+        return made;
     }
 
     Result<std::span<const PixelView>> read(RenderAvatarId avatar) override {
@@ -193,6 +193,45 @@ public:
     }
 
 private:
+    /** What all views of a draw share: poses, level of detail, what is seen. Returns the samples a pixel. */
+    Result<uint32_t> startFrame(std::span<const Drawn> what, std::span<const Cameraf> views, const FrameWants& wants) {
+        DPL_RETURN_IF_ERROR(checkDraw(what, views, wants, [this](RenderAvatarId id) { return jointsOf(id); }));
+        together_.clear();
+        uint32_t samples = 1;
+        for (const Drawn& one : what) {
+            Drawable& d = *drawables_.at(one.avatar);
+            SubjectViews& seenBy = seenBy_[together_.size()];
+            seenBy = SubjectViews(one.placement, views);
+            together_.push_back(&d);
+            if (!d.avatar) continue;
+            setPose(d, *one.pose);
+            hideLayers(d, one.hiddenLayers);
+            samples = std::max(samples, coverageSamples(d.trainedPixelM, rootPosition(d.avatar->joints, d.pose), seenBy.cameras()));
+        }
+        setDetails();
+        leaveOutUnseen();
+        FrameStats& stats = together_[0]->stats;
+        stats.views = uint32_t(views.size()), stats.splatsDrawn = 0, stats.bytesDecided = 0, stats.bytesDecoded = 0;
+        stats.splatsAllowed = splats_.drawn, stats.components = stats.componentsInView = 0;
+        for (const Drawable* d : together_) stats.components += d->components.count(), stats.componentsInView += d->componentsInView;
+        return samples;
+    }
+
+    /** Projects all that is seen into view v. */
+    void projectView(size_t v, const Cameraf& camera, uint32_t samples) {
+        bool started = false;
+        for (size_t k = 0; k < together_.size(); ++k)
+            if (together_[k]->seen) project(*together_[k], seenBy_[k][v], samples, started), started = true;
+        if (!started) engine_.project(PackedSplats(), {}, camera, 0, false, samples);
+        FrameStats& stats = together_[0]->stats;
+        stats.bytesDecided += engine_.decidedBytes(), stats.bytesDecoded += engine_.decodedBytes();
+    }
+
+    void endFrame(std::chrono::steady_clock::time_point start) {
+        const std::chrono::duration<double, std::milli> took = std::chrono::steady_clock::now() - start;
+        together_[0]->timing = {++frameNumber_, took.count(), splats_.drawn, splats_};
+    }
+
     std::optional<std::span<const JointData>> jointsOf(RenderAvatarId id) const {
         const auto found = drawables_.find(id);
         if (found == drawables_.end()) return std::nullopt;

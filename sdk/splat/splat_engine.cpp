@@ -54,6 +54,28 @@ void SplatEngine::blendRgba8(std::vector<uint8_t>& rgba, std::vector<float>* dep
     blendTilesRgba8(jobs_, *buffers_, rgba, depthM, sceneDepthM);
 }
 
+void SplatEngine::writeSorted(std::span<ScreenSplat> out) const {
+    constexpr size_t kGrain = 4096;
+    const ProjectedSplat* projected = buffers_->projected.data();
+    const uint32_t* sorted = buffers_->sorted;
+    const auto unorm16 = [](float x) { return uint16_t(std::clamp(x, 0.f, 1.f) * 65535 + 0.5f); };
+    jobs_.forRange(out.size(), kGrain, [&](size_t begin, size_t end, uint32_t) {
+        for (size_t i = begin; i < end; ++i) {
+            const ProjectedSplat& p = projected[sorted[out.size() - 1 - i]];
+            out[i] = {p.x,
+                      p.y,
+                      p.depthM,
+                      p.conicA,
+                      p.conicB / p.conicA,
+                      p.inverseVarianceY,
+                      unorm16(p.red),
+                      unorm16(p.green),
+                      unorm16(p.blue),
+                      unorm16(p.opacity)};
+        }
+    });
+}
+
 std::span<const ProjectedSplat> SplatEngine::projected() const {
     return {buffers_->projected.data(), buffers_->splatCount};
 }

@@ -17,6 +17,7 @@
 #include <vector>
 
 #include "sdk/core/jobs.h"
+#include "sdk/draw/screen_splat.h"
 #include "sdk/format/avatar_data.h"
 #include "sdk/format/coded_splats.h"
 #include "sdk/format/splat_detail.h"
@@ -126,6 +127,9 @@ public:
     /** Blends to premultiplied RGBA8, with a third of the memory traffic of the float image. rgba is resized to 4 values a pixel; depthM,
      *  unless null, to one a pixel, as in SplatImage; sceneDepthM as in BlendOptions. After bin(). */
     void blendRgba8(std::vector<uint8_t>& rgba, std::vector<float>* depthM = nullptr, std::span<const float> sceneDepthM = {});
+
+    /** Writes the visible splats, farthest first. After sort() or bin(). out: visibleCount() of them. */
+    void writeSorted(std::span<ScreenSplat> out) const;
 
     std::span<const ProjectedSplat> projected() const;
     /** One for each splat when the last project() recorded, else empty. Undefined for splats that are not shown. */

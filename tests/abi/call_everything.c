@@ -3,6 +3,7 @@
  * the CPU, so the functions of doppel_vulkan.h give the errors that they promise without a device. */
 #include <doppel/doppel.h>
 #include <doppel/doppel_convert.h>
+#include <doppel/doppel_splats.h>
 #ifdef WITH_VULKAN
 #include <doppel/doppel_vulkan.h>
 #endif
@@ -138,6 +139,16 @@ static void callSurface(DplAvatar avatar) {
     OK(dplHideLayer(avatar, 0, DPL_FALSE));
     OK(dplPick(&avatar, 1, above, upwards, &pick));
     CHECK(pick.hit == DPL_FALSE && pick.distanceM == 0);
+}
+
+static void callProject(DplContext context, DplAvatar avatar) {
+    static DplScreenSplat splats[1 << 14];
+    const DplCamera camera = {
+        sizeof(DplCamera), kWidth, kHeight, 30, 30, kWidth / 2.f, kHeight / 2.f, {1, 0, 0, 0, 0, -1, 0, 1, 0, 0, -1, 3}, NULL, 0};
+    DplProjection projection = {0};
+    projection.structSize = sizeof projection;
+    OK(dplProject(context, &avatar, 1, &camera, 1, splats, 1 << 14, &projection));
+    CHECK(projection.counts[0] > 0 && projection.counts[1] == 0 && splats[0].opacity > 0);
 }
 
 static void callTracker(DplAvatar avatar) {
@@ -284,6 +295,7 @@ int main(int argc, char** argv) {
         callDrawing(context, avatar, other);
         callPoses(avatar, about.jointCount);
         callSurface(avatar);
+        callProject(context, avatar);
         callTracker(avatar);
         callLoads(context, size);
         callConversions();

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-/* Includes doppel.h, doppel_convert.h and doppel_png.h in a strict C99 program: they compile without warnings, their constants are constant
- * expressions, structs keep their layout. In builds with Vulkan, doppel_vulkan.h too. */
+/* Includes doppel.h, doppel_convert.h, doppel_png.h and doppel_splats.h in a strict C99 program: they compile without warnings, their
+ * constants are constant expressions, structs keep their layout. In builds with Vulkan, doppel_vulkan.h too. */
 #include <doppel/doppel.h>
 #include <doppel/doppel_convert.h>
 #include <doppel/doppel_png.h>
+#include <doppel/doppel_splats.h>
 #ifdef WITH_VULKAN
 #include <doppel/doppel_vulkan.h>
 #endif
@@ -49,6 +50,8 @@ int main(void) {
         CHECK(sizeof(DplLayerInfo) == 32 && offsetof(DplLayerInfo, hidden) == 24);
         CHECK(sizeof(DplPick) == 48 && offsetof(DplPick, distanceM) == 20 && offsetof(DplPick, normal) == 36);
         CHECK(sizeof(DplDetail) == 12);
+        CHECK(sizeof(DplScreenSplat) == 32 && offsetof(DplScreenSplat, inverseVarianceY) == 20 && offsetof(DplScreenSplat, opacity) == 30);
+        CHECK(sizeof(DplProjection) == 16 && offsetof(DplProjection, samples) == 12);
         CHECK(sizeof(DplCaptureDetail) == 52 && offsetof(DplCaptureDetail, views) == 36);
         CHECK(sizeof(DplPoseTrust) == 24 && offsetof(DplPoseTrust, farthestJoint) == 16);
         CHECK(sizeof(DplTrackerInfo) == 32 && offsetof(DplTrackerInfo, restRotations) == 16);
