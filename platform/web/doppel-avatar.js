@@ -3,18 +3,23 @@
 //
 // Attributes: src, the file. clip: name or number of the clip; without it the first one. autoplay: plays, unless the visitor asks for
 // reduced motion. camera-controls: drag, wheel, two fingers, arrow keys, + and -. poster: a picture until the first one is drawn, and where
-// none can be. module: where doppel.wasm is. alt: what the picture shows, for those who do not see it.
-// Events: progress (detail: loaded, total), load, first-picture, error (detail: message, code). Slot `poster` takes other contents.
-// It draws on the CPU. Where a picture takes longer than FRAME_MS, the next ones have fewer pixels, and the browser enlarges them.
+// none can be. module: where doppel.wasm is. alt: what the picture shows, for those who do not see it. renderer: `cpu` draws without WebGL2.
+// Events: progress (detail: loaded, total), load, first-picture (detail: renderer), error (detail: message, code), device-lost and
+// device-restored (the browser took the graphics device away and gave it back). Slot `poster` takes other contents.
+// It draws by WebGL2, and on the CPU where that is missing. Moving pictures that come too slowly get fewer splats by WebGL2 (SplatPacer),
+// and fewer pixels on the CPU, which the browser enlarges. A picture that stands gets all of both.
 import { Doppel, DoppelError } from './doppel.js';
+import { SplatPacer } from './splat-pacer.js';
+import { SplatRenderer } from './webgl-renderer.js';
 
 const FOV_Y = 0.6;
-const FRAME_MS = 30;
+const FRAME_MS = 30;       // of a picture of the CPU
 const LEAST_SCALE = 0.35;  // of the pixels of the screen, in each direction
 const MOST_DENSITY = 2;    // pixels a CSS pixel
 const ORBIT_PER_PX = 0.01, ORBIT_PER_KEY = 0.15, ZOOM_PER_KEY = 1.15;
 const HIGHEST = 1.4;       // radians above or below the horizon
 const NEAREST = 0.25, FARTHEST = 3;  // of the distance at which the whole person is seen
+const RESTORE_MS = 5000;   // a graphics device that does not come back within it is given up
 const MAGNIFICATION = 3;   // a detail that the scan just shows is never drawn over more pixels
 
 const STYLE = `
@@ -28,11 +33,13 @@ img { object-fit: contain; }
 
 // On a server, where pages are only put together, there is no HTMLElement.
 export class DoppelAvatarElement extends (globalThis.HTMLElement ?? class {}) {
-  static observedAttributes = ['src', 'clip', 'autoplay', 'camera-controls', 'poster', 'module', 'alt'];
+  static observedAttributes = ['src', 'clip', 'autoplay', 'camera-controls', 'poster', 'module', 'alt', 'renderer'];
 
-  #canvas; #poster; #slot; #context2d = null; #person = null; #loading = null; #resize; #sight; #frame = 0;
+  #canvas; #poster; #slot; #renderer = null; #pacer = new SplatPacer(); #givingUp = 0; #cpuOnly = false; #context2d = null; #person = null; #loading = null; #resize; #sight; #frame = 0;
   #playing = false; #inSight = true; #time = 0; #last = 0; #stale = true; #shown = false; #scale = 1;
-  #azimuth = 0.35; #elevation = 0.05; #zoom = 1; #pointers = new Map();
+  #azimuth = 0.35; #elevation = 0.05; #zoom = 1; #pointers = new Map(); #clip = 0;
+  #view = { eye: [0, 0, 0], target: [0, 0, 0], fovY: FOV_Y, width: 0, height: 0 }; #camera = { viewFromWorld: new Array(12) };
+  #onFrame = now => this.#drawFrame(now);
   #onVisibility = () => this.#wake();
 
   constructor() {
@@ -40,19 +47,26 @@ export class DoppelAvatarElement extends (globalThis.HTMLElement ?? class {}) {
     const root = this.attachShadow({ mode: 'open' });
     const style = document.createElement('style');
     style.textContent = STYLE;
-    this.#canvas = document.createElement('canvas');
-    this.#canvas.setAttribute('role', 'img');
+    this.#makeCanvas();
     this.#poster = document.createElement('img');
     this.#poster.hidden = true;
     this.#poster.alt = '';
     this.#slot = document.createElement('slot');
     this.#slot.name = 'poster';
     root.append(style, this.#canvas, this.#poster, this.#slot);
-    this.#listen();
   }
 
   /** The Doppel of doppel.js, once it is loaded; null before and after. */
   get person() { return this.#person; }
+  /** What draws: 'WebGL2 RGBA16F', 'WebGL2 RGBA8' (the device refuses float targets: coarser), 'CPU'; '' before the first picture. */
+  get drawnBy() { return this.#renderer ? `WebGL2 ${this.#renderer.target}` : this.#context2d ? 'CPU' : ''; }
+  /** The last picture: width, height, and rgba as of Doppel.draw. Null before the first one. Waits for the graphics device. */
+  readPicture() {
+    const { width, height } = this.#canvas;
+    if (!this.#shown) return null;
+    const rgba = this.#renderer ? this.#renderer.read() : this.#person.draw(this.#camera);
+    return { width, height, rgba };
+  }
   /** Whether the clip does not run. */
   get paused() { return !this.#playing; }
   /** Seconds from the start of the clip. */
@@ -67,7 +81,10 @@ export class DoppelAvatarElement extends (globalThis.HTMLElement ?? class {}) {
     this.#last = 0;
     this.#wake();
   }
-  pause() { this.#playing = false; }
+  pause() {
+    this.#playing = false;
+    this.redraw();  // a picture that stands is drawn whole
+  }
   /** Draws again, for example after the pose was set by `person`. */
   redraw() {
     this.#stale = true;
@@ -93,6 +110,7 @@ export class DoppelAvatarElement extends (globalThis.HTMLElement ?? class {}) {
     cancelAnimationFrame(this.#frame);
     this.#frame = 0;
     this.#drop();
+    if (this.#renderer) this.#leaveCanvas();  // browsers keep few contexts
   }
 
   attributeChangedCallback(name, before, now) {
@@ -108,7 +126,11 @@ export class DoppelAvatarElement extends (globalThis.HTMLElement ?? class {}) {
     } else if (name === 'camera-controls') {
       if (now === null) this.#canvas.removeAttribute('tabindex');
       else this.#canvas.tabIndex = 0;
+    } else if (name === 'renderer') {
+      if (this.#renderer || this.#context2d) this.#leaveCanvas();
+      this.redraw();
     } else if (name === 'clip') {
+      this.#clip = now === null ? 0 : /^\d+$/.test(now) ? Number(now) : now;
       this.#time = 0;
       this.redraw();
     } else if (this.isConnected) {
@@ -154,6 +176,7 @@ export class DoppelAvatarElement extends (globalThis.HTMLElement ?? class {}) {
       });
       if (loading.signal.aborted) return person.dispose();
       this.#person = person;
+      this.#pacer.reset(person);
       this.#time = 0;
       this.#last = 0;
       this.#tell('load', { name: person.name, splatCount: person.splatCount });
@@ -168,42 +191,103 @@ export class DoppelAvatarElement extends (globalThis.HTMLElement ?? class {}) {
   /** Asks for a frame if there is something to draw and somebody may see it. */
   #wake() {
     if (this.#frame || !this.#person || !this.#inSight || document.hidden || !(this.#playing || this.#stale)) return;
-    this.#frame = requestAnimationFrame(now => {
-      this.#frame = 0;
-      if (!this.#person) return;
-      if (this.#playing) this.#time += this.#last ? Math.min(0.1, (now - this.#last) / 1000) : 0;
-      this.#last = this.#playing ? now : 0;
-      this.#stale = false;
-      try {
-        this.#draw();
-      } catch (error) {
-        return this.#fail(error);
-      }
-      this.#wake();
-    });
+    this.#frame = requestAnimationFrame(this.#onFrame);
   }
 
-  #draw() {
-    const density = Math.min(MOST_DENSITY, globalThis.devicePixelRatio || 1) * this.#scale;
+  #drawFrame(now) {
+    this.#frame = 0;
+    if (!this.#person) return;
+    const moving = this.#playing || this.#pointers.size > 0, interval = moving && this.#last ? now - this.#last : 0;
+    if (this.#playing) this.#time += Math.min(100, interval) / 1000;
+    this.#last = moving ? now : 0;
+    this.#stale = false;
+    try {
+      this.#draw(interval);
+    } catch (error) {
+      this.#fail(error);
+      return;
+    }
+    this.#wake();
+  }
+
+  /** Draws and shows the person. interval: since the last frame of a motion, ms; 0: a picture by itself. */
+  #draw(interval) {
+    if (!this.#renderer && !this.#context2d) this.#chooseRenderer();
+    if (this.#renderer?.lost) return;
+    const density = Math.min(MOST_DENSITY, globalThis.devicePixelRatio || 1) * (this.#renderer ? 1 : this.#scale);
     const width = Math.round(this.clientWidth * density), height = Math.round(this.clientHeight * density);
     if (width < 1 || height < 1) return;
     const person = this.#person, started = performance.now();
-    if (person.clips.length) {
-      const clip = this.getAttribute('clip') ?? '0';
-      person.setClip(/^\d+$/.test(clip) ? Number(clip) : clip, this.#time);
+    if (person.clips.length) person.setClip(this.#clip, this.#time);
+    this.#aim(width, height);
+    if (this.#renderer) {
+      this.#pacer.pace(person, interval);
+      this.#renderer.draw(person, this.#camera);
+    } else {
+      const picture = person.draw(this.#camera, { straight: true });
+      if (this.#canvas.width !== width || this.#canvas.height !== height) this.#canvas.width = width, this.#canvas.height = height;
+      this.#context2d.putImageData(new ImageData(picture, width, height), 0, 0);
+      this.#adapt(performance.now() - started);
     }
-    const picture = person.draw(this.#camera(width, height), { straight: true });
-    if (this.#canvas.width !== width || this.#canvas.height !== height) this.#canvas.width = width, this.#canvas.height = height;
-    this.#context2d ??= this.#canvas.getContext('2d');
-    this.#context2d.putImageData(new ImageData(picture, width, height), 0, 0);
-    this.#adapt(performance.now() - started);
     if (this.#shown) return;
     this.#shown = true;
     this.#showPoster(false);
-    this.#tell('first-picture');
+    this.#tell('first-picture', { renderer: this.drawnBy });
   }
 
-  /** Fewer pixels where pictures take too long while they move, all of them for one that stands. */
+  /** WebGL2, or the CPU where it is missing, refused or not wanted. */
+  #chooseRenderer() {
+    if (!this.#cpuOnly && this.getAttribute('renderer') !== 'cpu') {
+      try {
+        this.#renderer = new SplatRenderer(this.#canvas, { onLost: () => this.#lostDevice(), onRestored: () => this.#restoredDevice() });
+        return;
+      } catch (error) {
+        if (error.code !== 'DPL_ERROR_UNSUPPORTED') throw error;
+        this.#makeCanvas();  // the old one may have a context of WebGL2, and then gives no other
+      }
+    }
+    this.#context2d = this.#canvas.getContext('2d');
+    if (!this.#context2d) throw new DoppelError('this browser draws neither by WebGL2 nor on a canvas', 'DPL_ERROR_UNSUPPORTED');
+  }
+
+  #lostDevice() {
+    this.#tell('device-lost');
+    this.#showPoster(true);
+    this.#givingUp = setTimeout(() => {
+      this.#cpuOnly = true;
+      this.#leaveCanvas();
+      this.redraw();
+    }, RESTORE_MS);
+  }
+  #restoredDevice() {
+    clearTimeout(this.#givingUp);
+    this.#showPoster(!this.#shown);
+    this.#tell('device-restored');
+    this.redraw();
+  }
+
+  /** Gives the graphics device back and starts with a new canvas. */
+  #leaveCanvas() {
+    clearTimeout(this.#givingUp);
+    this.#renderer?.dispose();
+    this.#renderer = this.#context2d = null;
+    this.#shown = false;
+    this.#makeCanvas();
+    this.#showPoster(true);
+  }
+
+  #makeCanvas() {
+    const before = this.#canvas, canvas = this.#canvas = document.createElement('canvas');
+    canvas.setAttribute('role', 'img');
+    if (before) {
+      for (const name of ['aria-label', 'tabindex', 'style']) if (before.hasAttribute(name)) canvas.setAttribute(name, before.getAttribute(name));
+      before.replaceWith(canvas);
+    }
+    this.#pointers.clear();
+    this.#listen();
+  }
+
+  /** Fewer pixels where pictures of the CPU take too long while they move, all of them for one that stands. */
   #adapt(ms) {
     const before = this.#scale;
     if (!this.#playing && !this.#pointers.size) this.#scale = 1;
@@ -212,18 +296,27 @@ export class DoppelAvatarElement extends (globalThis.HTMLElement ?? class {}) {
     if (!this.#playing && before < this.#scale) this.#stale = true;
   }
 
-  #camera(width, height) {
-    const { restMin, restMax } = this.#person;
-    const target = restMin.map((low, k) => (low + restMax[k]) / 2);
+  /** Sets #camera for a picture of width × height. */
+  #aim(width, height) {
+    const { restMin, restMax } = this.#person, view = this.#view, { eye, target } = view;
     const halfHeight = (restMax[1] - restMin[1]) / 2 || 1;
     const halfWidth = Math.max(0.3 * halfHeight, Math.min((restMax[0] - restMin[0]) / 2, halfHeight));
     const tangent = Math.tan(FOV_Y / 2), whole = 1.15 * Math.max(halfHeight, halfWidth * height / width) / tangent;
-    const level = Math.cos(this.#elevation);
-    const direction = [Math.sin(this.#azimuth) * level, Math.sin(this.#elevation), Math.cos(this.#azimuth) * level];
-    const at = distance => target.map((value, k) => value + direction[k] * distance);
-    const nearest = this.#person.nearestDistance(target, at(whole), height / (2 * tangent), MAGNIFICATION);
+    for (let k = 0; k < 3; ++k) target[k] = (restMin[k] + restMax[k]) / 2;
+    this.#stepBack(whole);
+    const nearest = this.#person.nearestDistance(target, eye, height / (2 * tangent), MAGNIFICATION);
     this.#zoom = Math.min(FARTHEST, Math.max(NEAREST, Math.min(1, nearest / whole), this.#zoom));
-    return this.#person.lookAt({ eye: at(whole * this.#zoom), target, fovY: FOV_Y, width, height });
+    this.#stepBack(whole * this.#zoom);
+    view.width = width, view.height = height;
+    this.#person.lookAt(view, this.#camera);
+  }
+
+  /** Puts the eye `distance` away from the target. */
+  #stepBack(distance) {
+    const { eye, target } = this.#view, level = Math.cos(this.#elevation);
+    eye[0] = target[0] + distance * level * Math.sin(this.#azimuth);
+    eye[1] = target[1] + distance * Math.sin(this.#elevation);
+    eye[2] = target[2] + distance * level * Math.cos(this.#azimuth);
   }
 
   #turn(azimuth, elevation) {

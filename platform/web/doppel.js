@@ -28,7 +28,11 @@ const PAGE_BYTES = 65536, FIRST_PAGES = 64, MOST_PAGES = 32768;  // the limits o
 const MEMORY_LIMIT = 1 << 30;
 const MAX_SIDE_PX = 8192;
 const STRAIGHT_ALPHA = 1;  // DPL_IMAGE_STRAIGHT_ALPHA
-const SCRATCH_BYTES = 256;
+const SCRATCH_BYTES = 512;
+const CAMERA_NUMBERS = 18;
+const SPLAT_BYTES = 32;   // DplScreenSplat
+export const SPLATS_A_ROW = 512;  // a projection has room for whole rows of a texture of so many splats
+const UP = [0, 1, 0];
 
 const decoder = new TextDecoder();
 const encoder = new TextEncoder();
@@ -146,6 +150,8 @@ function importsOf(module, memory, text, onLog) {
 /** A person, or general splats. Functions throw DoppelError. */
 export class Doppel {
   #exports; #memory; #context = 0; #avatar = 0; #scratch = 0; #image = 0; #imageBytes = 0; #lost = null;
+  #floats; #doubles; #words;  // views of all memory, made anew when it has grown: viewMemory()
+  #splats = 0; #capacity = 0; #projection = { words: null, at: 0, counts: [0, 0], samples: 1, rows: 0 };
 
   /** Loads an avatar (.glb) or general splats.
    *  source: a URL, a Response, a Blob, or bytes. options.module: where doppel.wasm is, its bytes, or the compiled module; otherwise beside
@@ -228,14 +234,21 @@ export class Doppel {
   }
 
   /** Poses the person as a clip does at `time`, seconds. clip: its number or its name. */
-  setClip(clip, time, { loop = true } = {}) {
+  setClip(clip, time, options) {
     let index = clip;
     if (typeof clip === 'string') {
       index = this.clips.findIndex(c => c.name === clip);
       const names = this.clips.map(c => c.name).join(', ') || 'none';
       if (index < 0) throw new DoppelError(`there is no clip '${clip}'; there are: ${names}`, RESULTS[2]);
     }
-    this.#check(this.#call('dplSetPoseFromClip', this.#avatar, index, time, loop ? 1 : 0));
+    this.#alive();
+    let result;
+    try {
+      result = this.#exports.dplSetPoseFromClip(this.#avatar, index, time, options?.loop ?? true ? 1 : 0);
+    } catch (error) {
+      throw this.#died(error);
+    }
+    this.#check(result);
   }
 
   /** Reads a motion (BVH or GLB) for this person and returns the number of the new clip. source: as of Doppel.load. inPlace: without
@@ -277,23 +290,41 @@ export class Doppel {
   }
 
   /** A camera {width, height, fx, fy, cx, cy, viewFromWorld} for draw(). It looks along its +z, with y down. fovY: vertical field of view,
-   *  radians. */
-  lookAt({ eye, target, up = [0, 1, 0], fovY = 0.8, width, height }) {
-    this.#alive();
-    new Float32Array(this.#memory.buffer, this.#scratch, 9).set([...eye, ...target, ...up].slice(0, 9));
-    this.#check(this.#call('webLookAt', this.#scratch, fovY, width, height, this.#scratch + 48));
-    const [w, h, fx, fy, cx, cy, ...viewFromWorld] = new Float64Array(this.#memory.buffer, this.#scratch + 48, 18);
-    return { width: w, height: h, fx, fy, cx, cy, viewFromWorld };
+   *  radians. into: a camera to overwrite instead of a new one. */
+  lookAt(options, into = { viewFromWorld: new Array(12) }) {
+    const { eye, target, width, height } = options, up = options.up ?? UP;
+    this.#viewMemory();
+    const at = this.#scratch >> 2, numbers = (this.#scratch + 48) >> 3;
+    for (let k = 0; k < 3; ++k) this.#floats[at + k] = eye[k], this.#floats[at + 3 + k] = target[k], this.#floats[at + 6 + k] = up[k];
+    let result;
+    try {
+      result = this.#exports.webLookAt(this.#scratch, options.fovY ?? 0.8, width, height, this.#scratch + 48);
+    } catch (error) {
+      throw this.#died(error);
+    }
+    this.#check(result);
+    const from = this.#doubles;
+    into.width = from[numbers], into.height = from[numbers + 1], into.fx = from[numbers + 2], into.fy = from[numbers + 3];
+    into.cx = from[numbers + 4], into.cy = from[numbers + 5];
+    for (let k = 0; k < 12; ++k) into.viewFromWorld[k] = from[numbers + 6 + k];
+    return into;
   }
 
   /** The nearest distance from which a detail that the scan just shows is drawn over `magnification` pixels, metres; 0: the file does not
    *  say. point: what the camera looks at. focalPx: fx of the camera. */
   nearestDistance(point, eye, focalPx, magnification) {
-    this.#alive();
-    new Float32Array(this.#memory.buffer, this.#scratch, 6).set([...point, ...eye].slice(0, 6));
-    const at = this.#scratch;
-    this.#check(this.#call('dplGetNearestDistance', this.#avatar, at, at + 12, focalPx, magnification, at + 24));
-    return new Float32Array(this.#memory.buffer, this.#scratch + 24, 1)[0];
+    this.#viewMemory();
+    const at = this.#scratch, floats = this.#floats;
+    for (let k = 0; k < 3; ++k) floats[(at >> 2) + k] = point[k], floats[(at >> 2) + 3 + k] = eye[k];
+    let result;
+    try {
+      result = this.#exports.dplGetNearestDistance(this.#avatar, at, at + 12, focalPx, magnification, at + 24);
+    } catch (error) {
+      throw this.#died(error);
+    }
+    this.#check(result);
+    this.#viewMemory();
+    return this.#floats[(at >> 2) + 6];
   }
 
   /** Draws on the CPU: 4 bytes a pixel, R first, top row first. straight: colour divided by alpha, as ImageData wants it; otherwise
@@ -314,25 +345,71 @@ export class Doppel {
     return into;
   }
 
+  /** Poses, culls, projects and sorts the splats of a picture for someone who blends them (webgl-renderer.js), instead of drawing. second:
+   *  a camera of the same size, for another eye; both see one pose and one level of detail. Returns an object that the next call overwrites:
+   *  words, all memory of the person as a Uint32Array; at, the index there of the first splat; counts of the splats of both views, which
+   *  follow each other; samples a pixel; rows of SPLATS_A_ROW splats that hold them all. A splat is 8 words (DplScreenSplat in
+   *  doppel_splats.h), the farthest is first. A warm call allocates nothing. */
+  project(camera, second = null) {
+    this.#setCamera(camera);
+    if (second) this.#setCamera(second, 1);
+    this.#makeRoom(second ? 2 : 1);
+    const at = this.#scratch, numbers = at + 2 * CAMERA_NUMBERS * 8;
+    let result;
+    try {
+      result = this.#exports.webProject(this.#context, this.#avatar, at, second ? 2 : 1, this.#splats, this.#capacity, numbers);
+    } catch (error) {
+      throw this.#died(error);
+    }
+    this.#check(result);
+    this.#viewMemory();
+    const made = this.#projection, words = made.words = this.#words;
+    made.at = this.#splats >> 2;
+    made.counts[0] = words[numbers >> 2], made.counts[1] = words[(numbers >> 2) + 1], made.samples = words[(numbers >> 2) + 2];
+    made.rows = Math.ceil((made.counts[0] + made.counts[1]) / SPLATS_A_ROW);
+    return made;
+  }
+
+  /** Room for all splats of `views` views, in whole rows. */
+  #makeRoom(views) {
+    const splats = Math.ceil(views * this.splatCount / SPLATS_A_ROW) * SPLATS_A_ROW;
+    if (splats <= this.#capacity) return;
+    this.#call('webFree', this.#splats);
+    this.#capacity = 0;
+    this.#splats = this.#call('webAllocate', splats * SPLAT_BYTES);
+    if (!this.#splats) throw this.#refused(splats * SPLAT_BYTES);
+    this.#capacity = splats;
+  }
+
   /** Drops the person and their memory. */
   dispose() {
-    this.#exports = this.#memory = null;
+    this.#forget();
     this.#lost = wrong('this person was disposed of');
   }
 
-  /** Writes a camera to the scratch memory. Returns the bytes of its picture. */
-  #setCamera(camera) {
+  /** Writes camera number `view` to the scratch memory. Returns the bytes of its picture. */
+  #setCamera(camera, view = 0) {
     const { width, height } = camera;
     for (const side of [width, height])
       if (!Number.isInteger(side) || side < 1 || side > MAX_SIDE_PX)
         throw wrong(`a picture of ${width} × ${height} pixels; sides are whole numbers from 1 to ${MAX_SIDE_PX}`);
     if (camera.viewFromWorld?.length !== 12) throw wrong('viewFromWorld of the camera must have 12 numbers');
-    this.#alive();
-    const numbers = new Float64Array(this.#memory.buffer, this.#scratch, 18);
-    numbers[0] = width, numbers[1] = height, numbers[2] = camera.fx, numbers[3] = camera.fy, numbers[4] = camera.cx, numbers[5] = camera.cy;
-    numbers.set(camera.viewFromWorld, 6);
+    this.#viewMemory();
+    const numbers = this.#doubles, at = (this.#scratch >> 3) + CAMERA_NUMBERS * view;
+    numbers[at] = width, numbers[at + 1] = height, numbers[at + 2] = camera.fx, numbers[at + 3] = camera.fy;
+    numbers[at + 4] = camera.cx, numbers[at + 5] = camera.cy;
+    for (let k = 0; k < 12; ++k) numbers[at + 6 + k] = camera.viewFromWorld[k];
     return width * height * 4;
   }
+
+  /** Before memory is read or written by #floats, #doubles, #words. */
+  #viewMemory() {
+    this.#alive();
+    const { buffer } = this.#memory;
+    if (this.#words?.buffer === buffer) return;
+    this.#floats = new Float32Array(buffer), this.#doubles = new Float64Array(buffer), this.#words = new Uint32Array(buffer);
+  }
+  #forget() { this.#exports = this.#memory = this.#floats = this.#doubles = this.#words = this.#projection.words = null; }
 
   #alive() {
     if (this.#lost) throw this.#lost;
@@ -344,12 +421,15 @@ export class Doppel {
     try {
       return this.#exports[name](...values);
     } catch (error) {
-      const memory = error.message === 'out of memory';
-      this.#lost = memory ? new DoppelError('there is not enough memory for this person in this browser', RESULTS[OUT_OF_MEMORY])
-        : new DoppelError(`the module failed (${error.message}); please report this`, 'DPL_ERROR_INTERNAL');
-      this.#exports = this.#memory = null;
-      throw this.#lost;
+      throw this.#died(error);
     }
+  }
+  #died(error) {
+    const memory = error.message === 'out of memory';
+    this.#lost = memory ? new DoppelError('there is not enough memory for this person in this browser', RESULTS[OUT_OF_MEMORY])
+      : new DoppelError(`the module failed (${error.message}); please report this`, 'DPL_ERROR_INTERNAL');
+    this.#forget();
+    return this.#lost;
   }
 
   #put(bytes) {

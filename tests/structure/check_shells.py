@@ -32,7 +32,7 @@ SHELLS = [
     ("Quest, beyond OpenXR", ["platform/openxr/android_loader.*"], ["apps/xr/android/*"],
      "compiled and joined for aarch64 against declarations of the NDK, by `tools/prove-android`", "guides/quest.md"),
     ("browser (WebAssembly)", ["platform/web/*", "platform/web/lacking/*"], ["platform/web/demo/*"],
-     "all of it, by `tools/prove-web`: the module in Node, the element in headless Chromium; it draws on the CPU", "guides/web.md"),
+     "all of it, by `tools/prove-web`: the module in Node, the element and WebGL2 in headless Chromium, without a GPU", "guides/web.md"),
     ("shared by desktop, Android and OpenXR", ["platform/common/*"], [], "by the tests of these three", ""),
 ]
 

@@ -7,6 +7,7 @@ import path from 'node:path';
 import { pathToFileURL } from 'node:url';
 import { test } from 'node:test';
 import { Doppel, DoppelError } from '../../platform/web/doppel.js';
+import { SplatPacer } from '../../platform/web/splat-pacer.js';
 import { SHOTS, compare } from './shots.mjs';
 
 const wasm = await WebAssembly.compile(fs.readFileSync(process.env.WEB_MODULE));
@@ -153,4 +154,46 @@ test('many pictures take no more memory', async t => {
   }
   assert.equal(memories[0].buffer.byteLength, warm);
   t.diagnostic(`${(warm / 1048576).toFixed(1)} MB of memory for a file of ${(glb.length / 1048576).toFixed(1)} MB`);
+});
+
+test('projects what is drawn: sorted, within the budget, two eyes, no memory more', async () => {
+  const person = await load(), camera = person.lookAt(SHOTS[1]);
+  const all = { ...person.project(camera) }, count = all.counts[0];
+  assert.ok(count > 1000 && count <= person.splatCount && all.counts[1] === 0 && all.rows === Math.ceil(count / 512));
+  const depths = new Float32Array(all.words.buffer), depthOf = i => depths[all.at + 8 * i + 2];
+  for (let i = 1; i < count; ++i) assert.ok(depthOf(i) <= depthOf(i - 1), `splat ${i}`);
+  const eyes = person.project(camera, { ...camera, cx: camera.cx + 3 });
+  assert.ok(eyes.counts[0] === count && eyes.counts[1] > 1000);
+  const floats = new Float32Array(eyes.words.buffer), last = eyes.at + 8 * (count - 1), other = eyes.at + 8 * (count + eyes.counts[1] - 1);
+  assert.ok(Math.abs(floats[other] - floats[last] - 3) < 1e-3, 'the nearest splat of the other eye is 3 pixels aside');
+  person.setDetail({ splatBudget: 2000 });
+  assert.ok(person.project(camera).counts[0] <= 2000);
+  person.setDetail();
+  const bytes = person.project(camera).words.buffer.byteLength;
+  for (let i = 0; i < 50; ++i) assert.equal(person.project(camera).words.buffer.byteLength, bytes);
+  await fails(() => person.project({ ...camera, width: 0 }), 'DPL_ERROR_INVALID_ARGUMENT', /1 to 8192/);
+  await fails(() => person.project(camera, { ...camera, fx: NaN }), 'DPL_ERROR_INVALID_ARGUMENT', /./);
+  person.dispose();
+  await fails(() => person.project(camera), 'DPL_ERROR_INVALID_ARGUMENT', /disposed/);
+});
+
+test('a slow device gets fewer splats until it keeps 30 frames a second, and all of them when it stands still', () => {
+  const pacer = new SplatPacer();
+  let budget = 0;
+  const person = { splatCount: 50000, setDetail: ({ splatBudget = 0 } = {}) => { budget = splatBudget; } };
+  const shown = () => budget || person.splatCount;
+  pacer.reset(person);
+  const deviceMs = () => 4 + shown() / 500;  // 104 ms with all splats
+  for (let frame = 0; frame < 200; ++frame) pacer.pace(person, deviceMs());
+  assert.ok(deviceMs() < 39 && shown() > 8000, `${shown()} splats, ${deviceMs()} ms`);
+  pacer.pace(person, 0);
+  assert.equal(budget, 0);
+  pacer.pace(person, deviceMs());
+  assert.ok(shown() < 20000);
+  for (let frame = 0; frame < 3000; ++frame) pacer.pace(person, 16.7);
+  assert.equal(budget, 0, 'a device that has become fast shows all');
+  pacer.pace(person, 5000);
+  pacer.pace(person, 5000);
+  pacer.pace(person, 5000);
+  assert.equal(budget, 0, 'a page that was hidden is not slow');
 });

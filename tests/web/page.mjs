@@ -27,10 +27,7 @@ function element(attributes) {
   return made;
 }
 const canvasOf = made => made.shadowRoot.querySelector('canvas');
-function pixels(made) {
-  const canvas = canvasOf(made);
-  return canvas.getContext('2d').getImageData(0, 0, canvas.width, canvas.height).data;
-}
+const pixels = made => made.readPicture()?.rgba ?? [];
 const opaque = data => data.filter((value, i) => i % 4 === 3 && value > 200).length;
 const differ = (a, b) => a.length !== b.length || a.some((value, i) => Math.abs(value - b[i]) > 40);
 
@@ -60,7 +57,9 @@ async function theElement() {
   await happens(shown, 'first-picture');
   found.events = steps;
   found.opaque = opaque(pixels(shown));
-  await post('/picture/element.png', await new Promise(done => canvasOf(shown).toBlob(done)));
+  found.drawnBy = shown.drawnBy;
+  found.size = [canvasOf(shown).width, canvasOf(shown).height];
+  await post('/picture/element.rgba', pixels(shown));
   found.label = canvasOf(shown).getAttribute('aria-label');
   const time = shown.currentTime;
   await becomes('time goes on', () => shown.currentTime > time + 0.2);
@@ -111,6 +110,52 @@ async function failures() {
   gone.remove();
 }
 
+/** Runs `body` while `object[name]` is replaced. */
+async function without(object, name, replacement, body) {
+  const before = object[name];
+  object[name] = replacement(before);
+  try {
+    await body();
+  } finally {
+    object[name] = before;
+  }
+}
+
+/** Elements whose browser refuses something, or takes the graphics device away. */
+async function fallbacks() {
+  const drawn = async attributes => {
+    const made = element({ src: PERSON, ...attributes });
+    const { renderer } = await happens(made, 'first-picture'), seen = opaque(pixels(made));
+    made.remove();
+    return { renderer, seen };
+  };
+  const noWebGL2 = get => function(kind, ...rest) { return kind === 'webgl2' ? null : get.call(this, kind, ...rest); };
+  found.wanted = await drawn({ renderer: 'cpu' });
+  await without(HTMLCanvasElement.prototype, 'getContext', noWebGL2, async () => { found.absent = await drawn({}); });
+  await without(WebGL2RenderingContext.prototype, 'linkProgram', () => () => {}, async () => { found.shadersRefused = await drawn({}); });
+  const noCanvas = () => () => null;
+  await without(HTMLCanvasElement.prototype, 'getContext', noCanvas, async () => {
+    const made = element({ src: PERSON, poster: '/poster.svg' });
+    found.nothing = await happens(made, 'error');
+    found.posterThen = !made.shadowRoot.querySelector('img').hidden;
+    made.remove();
+  });
+  const taken = element({ src: PERSON });
+  await happens(taken, 'first-picture');
+  const device = canvasOf(taken).getContext('webgl2').getExtension('WEBGL_lose_context'), before = pixels(taken);
+  device.loseContext();
+  await happens(taken, 'device-lost');
+  found.hidden = canvasOf(taken).style.visibility === 'hidden';
+  await new Promise(done => setTimeout(done, 50));  // while the event is told, the browser gives nothing back
+  device.restoreContext();
+  await happens(taken, 'device-restored');
+  await becomes('the picture comes back', () => opaque(pixels(taken)) > 500);
+  found.back = taken.drawnBy === found.drawnBy && !differ(before, pixels(taken)) && canvasOf(taken).style.visibility === '';
+  canvasOf(taken).getContext('webgl2').getExtension('WEBGL_lose_context').loseContext();
+  found.instead = await happens(taken, 'first-picture');
+  taken.remove();
+}
+
 async function several() {
   const all = Array.from({ length: 3 }, (_, i) => element({ src: PERSON, clip: String(i % 2) }));
   await Promise.all(all.map(one => happens(one, 'first-picture')));
@@ -123,6 +168,7 @@ try {
   await theElement();
   await failures();
   await several();
+  await fallbacks();
 } catch (error) {
   found.thrown = `${error.message}\n${error.stack}`;
 }

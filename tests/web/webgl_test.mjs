@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: Apache-2.0
+// node webgl_test.mjs: webgl_page.mjs in headless Chromium. WEB_REFEREE: pictures of SHOTS by dplRender; WEB_LIBRARY: those of the
+// conformance kit. Writes the pictures of WebGL2 to WEB_WORK/webgl. The rest: browser.mjs.
+import assert from 'node:assert/strict';
+import fs from 'node:fs';
+import path from 'node:path';
+import { visit } from './browser.mjs';
+import { png, readPng } from './png.mjs';
+import { SHOTS, compare } from './shots.mjs';
+
+const LEAST_DB = 60;
+const LEAST_DB_RGBA8 = 45;  // every splat is rounded to 8 bits; measured 49 to 56
+const { WEB_REFEREE, WEB_LIBRARY, WEB_WORK } = process.env;
+const folder = path.join(WEB_WORK, 'webgl');
+const { result, pictures } = await visit('webgl.html');
+fs.mkdirSync(folder, { recursive: true });
+const failed = [];
+function judge(name, a, b, least, mayBeBlank = false) {
+  const { db, levels, covered } = compare(a, b);
+  const good = db >= least && (mayBeBlank || covered > 0);
+  console.log(`${good ? ' ' : '!'} ${name.padEnd(34)} ${db === Infinity ? 'equal bytes' : `${db.toFixed(1)} dB, at most ${levels} levels`}`);
+  if (!good) failed.push(name);
+}
+assert.equal(result.target, 'RGBA16F');
+for (const shot of SHOTS) {
+  const referee = fs.readFileSync(path.join(WEB_REFEREE, `${shot.name}.rgba`)), drawn = pictures.get(`webgl-${shot.name}`);
+  fs.writeFileSync(path.join(folder, `${shot.name}.png`), png(drawn, shot.width, shot.height));
+  judge(shot.name, drawn, referee, LEAST_DB);
+}
+for (const { name, picture, width, height, blank } of result.kit) {
+  const drawn = pictures.get(`kit-${picture}`);
+  fs.writeFileSync(path.join(folder, picture), png(drawn, width, height));
+  judge(`kit: ${picture.replace('.png', '')}`, drawn, readPng(fs.readFileSync(path.join(WEB_LIBRARY, picture))).rgba, LEAST_DB, blank);
+  assert.ok(name);
+}
+assert.ok(result.kit.length >= 22, 'no case of the kit is left out');
+assert.equal(result.refusedTarget, 'RGBA8');
+assert.equal(result.unsupportedTarget, 'RGBA8');
+for (const shot of SHOTS)
+  judge(`RGBA8: ${shot.name}`, pictures.get(`rgba8-${shot.name}`), fs.readFileSync(path.join(WEB_REFEREE, `${shot.name}.rgba`)), LEAST_DB_RGBA8);
+assert.deepEqual(failed, []);
+assert.equal(result.absent.code, 'DPL_ERROR_UNSUPPORTED');
+assert.match(result.absent.message, /has no WebGL2/);
+assert.deepEqual(result.lost.said, ['lost', 'restored']);
+assert.ok(!result.lost.drawn && result.lost.again && result.lost.same && result.lost.covered > 2000, JSON.stringify(result.lost));
+const { growth, ms } = result;
+console.log(`${growth.frames} frames: JavaScript's memory grew by ${growth.heap} bytes, by ${growth.later} in the second half, the module's by ${growth.wasm}; ${growth.garbage} bytes of garbage`);
+console.log(`480 × 640, ${result.splats} splats, ms: pose, cull, project and sort ${ms.project.toFixed(1)}; upload and draw calls ${ms.submit.toFixed(1)}; `
+  + `until the pixels are there ${ms.whole.toFixed(1)} by SwiftShader; ${result.uploadedBytes} bytes uploaded a frame`);
+assert.equal(growth.wasm, 0);
+assert.ok(growth.garbage < 500 * 1024, 'a frame allocates');  // what Chromium's bindings and this page's waits leave: half a KB a frame
+// The first half may still compile code. A leak of one object a frame would be more: 500 of at least 28 bytes.
+assert.ok(growth.later < 14000, 'memory grows');
