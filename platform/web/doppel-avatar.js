@@ -3,7 +3,7 @@
 //
 // Attributes: src, the file. clip: name or number of the clip; without it the first one. autoplay: plays, unless the visitor asks for
 // reduced motion. camera-controls: drag, wheel, two fingers, arrow keys, + and -. poster: a picture until the first one is drawn, and where
-// none can be. module: where doppel.wasm is. alt: what the picture shows, for those who do not see it. renderer: `cpu` draws without WebGL2.
+// none can be. module: where doppel.wasm is. alt: what the picture shows, for those who do not see it. renderer: `cpu` is without WebGL2.
 // Events: progress (detail: loaded, total), load, first-picture (detail: renderer), error (detail: message, code), device-lost and
 // device-restored (the browser took the graphics device away and gave it back). Slot `poster` takes other contents.
 // It draws by WebGL2, and on the CPU where that is missing. Moving pictures that come too slowly get fewer splats by WebGL2 (SplatPacer),
@@ -33,9 +33,11 @@ img { object-fit: contain; }
 
 // On a server, where pages are only put together, there is no HTMLElement.
 export class DoppelAvatarElement extends (globalThis.HTMLElement ?? class {}) {
-  static observedAttributes = ['src', 'clip', 'autoplay', 'camera-controls', 'poster', 'module', 'alt', 'renderer'];
+  static observedAttributes =
+    ['src', 'clip', 'autoplay', 'camera-controls', 'poster', 'module', 'alt', 'renderer'];
 
-  #canvas; #poster; #slot; #renderer = null; #pacer = new SplatPacer(); #givingUp = 0; #cpuOnly = false; #context2d = null; #person = null; #loading = null; #resize; #sight; #frame = 0;
+  #canvas; #poster; #slot; #renderer = null; #pacer = new SplatPacer(); #givingUp = 0; #cpuOnly = false; #context2d = null;
+  #person = null; #loading = null; #resize; #sight; #frame = 0;
   #playing = false; #inSight = true; #time = 0; #last = 0; #stale = true; #shown = false; #scale = 1;
   #azimuth = 0.35; #elevation = 0.05; #zoom = 1; #pointers = new Map(); #clip = 0;
   #view = { eye: [0, 0, 0], target: [0, 0, 0], fovY: FOV_Y, width: 0, height: 0 }; #camera = { viewFromWorld: new Array(12) };
@@ -280,7 +282,8 @@ export class DoppelAvatarElement extends (globalThis.HTMLElement ?? class {}) {
     const before = this.#canvas, canvas = this.#canvas = document.createElement('canvas');
     canvas.setAttribute('role', 'img');
     if (before) {
-      for (const name of ['aria-label', 'tabindex', 'style']) if (before.hasAttribute(name)) canvas.setAttribute(name, before.getAttribute(name));
+      for (const name of ['aria-label', 'tabindex', 'style'])
+        if (before.hasAttribute(name)) canvas.setAttribute(name, before.getAttribute(name));
       before.replaceWith(canvas);
     }
     this.#pointers.clear();

@@ -346,9 +346,9 @@ export class Doppel {
   }
 
   /** Poses, culls, projects and sorts the splats of a picture for someone who blends them (webgl-renderer.js), instead of drawing. second:
-   *  a camera of the same size, for another eye; both see one pose and one level of detail. Returns an object that the next call overwrites:
-   *  words, all memory of the person as a Uint32Array; at, the index there of the first splat; counts of the splats of both views, which
-   *  follow each other; samples a pixel; rows of SPLATS_A_ROW splats that hold them all. A splat is 8 words (DplScreenSplat in
+   *  a camera of the same size, for another eye; both see one pose and one level of detail. Returns an object that the next call
+   *  overwrites. words: all memory of the person, a Uint32Array. at: the index there of the first splat. counts: splats of both views, which
+   *  follow each other. samples: a pixel. rows: of SPLATS_A_ROW splats, that hold them all. A splat is 8 words (DplScreenSplat in
    *  doppel_splats.h), the farthest is first. A warm call allocates nothing. */
   project(camera, second = null) {
     this.#setCamera(camera);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Keeps moving pictures at 30 a second by fewer splats, where the device draws too slowly: a budget of Doppel.setDetail, so the SDK's level of
-// detail says which splats are left out. It goes by the time from frame to frame, which is all that a page learns of a graphics device.
+// Keeps moving pictures at 30 a second by fewer splats, where the device draws too slowly: a budget of Doppel.setDetail, so the SDK's level
+// of detail says which splats are left out. It goes by the time from frame to frame, which is all that a page learns of a graphics device.
+// The SDK's own frame budget (dplSetFrameBudget) sees only the CPU here.
 const TARGET_MS = 1000 / 30;
 const TOO_SLOW_MS = 1.15 * TARGET_MS, FAST_MS = 0.7 * TARGET_MS;
 const STALL_MS = 1000;       // the page was hidden, or did something else

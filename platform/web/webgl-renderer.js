@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Draws on a canvas by WebGL2 what the module has posed, culled, projected and sorted.
 //
-//   Doppel.project ─► one upload into a texture ─► one triangle a splat, farthest first, over each other into RGBA16F ─► final pass ─► canvas
+//   Doppel.project ─► one upload into a texture ─► a triangle a splat, farthest first, blended into RGBA16F ─► final pass ─► canvas
 //
 // Farthest first, as the engine's own quads on GPUs (shaders/passes/draw): near splats come last, so they weaken what rounding did to the
 // sums below them. Nearest first would add the last splats to an alpha near 1, where half floats are 5e-4 apart.
@@ -181,20 +181,24 @@ export class SplatRenderer {
     this.#onRestored?.();
   };
 
-  /** onLost(): the browser took the graphics device away; draw() draws nothing. onRestored(): draw again. DoppelError with code
-   *  DPL_ERROR_UNSUPPORTED where there is no WebGL2 or it cannot draw this. */
-  constructor(canvas, { onLost, onRestored } = {}) {
+  /** onLost(): the browser took the graphics device away; draw() draws nothing. onRestored(): draw again. xrCompatible: for
+   *  XRWebGLLayer. DoppelError with code DPL_ERROR_UNSUPPORTED where there is no WebGL2 or it cannot draw this. */
+  constructor(canvas, { onLost, onRestored, xrCompatible = false } = {}) {
     this.#canvas = canvas, this.#onLost = onLost, this.#onRestored = onRestored;
-    this.#gl = canvas.getContext('webgl2', { alpha: true, premultipliedAlpha: true, antialias: false, depth: false, stencil: false });
+    this.#gl = canvas.getContext('webgl2', {
+      alpha: true, premultipliedAlpha: true, antialias: false, depth: false, stencil: false, xrCompatible,
+    });
     if (!this.#gl) throw unsupported('this browser or device has no WebGL2');
     this.#build();
     canvas.addEventListener('webglcontextlost', this.#lose);
     canvas.addEventListener('webglcontextrestored', this.#restore);
   }
 
-  /** 'RGBA16F', or 'RGBA8' where the device refuses float targets: rounding after every splat then costs 10 to 25 dB (tests/web). */
+  /** 'RGBA16F', or 'RGBA8' where the device refuses float targets: rounding after every splat then costs 9 to 27 dB (tests/web). */
   get target() { return this.#format === this.#gl.RGBA16F ? 'RGBA16F' : 'RGBA8'; }
   get lost() { return this.#gl.isContextLost(); }
+  /** The WebGL2RenderingContext of the canvas. */
+  get context() { return this.#gl; }
   /** Bytes that the last frame sent to the graphics device. */
   get uploadedBytes() { return this.#blender.uploadedBytes; }
 
@@ -249,6 +253,20 @@ export class SplatRenderer {
     this.#blender.upload(made);
     this.#blendView(made, 0, width, height);
     this.#show(null, 0, 0);
+    return true;
+  }
+
+  /** Draws one or two views into another framebuffer of this context, each replacing a rectangle there; webxr.js calls it. right,
+   *  rightAt: null for one view. leftAt, rightAt: {x, y}, lower left corners, px. Returns as draw(). */
+  drawEyes(person, left, right, framebuffer, leftAt, rightAt) {
+    if (this.lost) return false;
+    const made = person.project(left, right);
+    this.#blender.upload(made);
+    for (let view = 0; view < (right ? 2 : 1); ++view) {
+      this.#blendView(made, view, left.width, left.height);
+      const at = view === 0 ? leftAt : rightAt;
+      this.#show(framebuffer, at.x, at.y);
+    }
     return true;
   }
 

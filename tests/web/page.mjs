@@ -146,7 +146,7 @@ async function fallbacks() {
   device.loseContext();
   await happens(taken, 'device-lost');
   found.hidden = canvasOf(taken).style.visibility === 'hidden';
-  await new Promise(done => setTimeout(done, 50));  // while the event is told, the browser gives nothing back
+  await new Promise(done => setTimeout(done));  // while the event is told, the browser gives nothing back
   device.restoreContext();
   await happens(taken, 'device-restored');
   await becomes('the picture comes back', () => opaque(pixels(taken)) > 500);

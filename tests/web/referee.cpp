@@ -1,10 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 // web_referee AVATAR: what the module must draw, by dplRender on this machine's CPU. Reads shots from stdin, one a line:
 //   clip time eyeX eyeY eyeZ targetX targetY targetZ fovYRad width height file
-// clip -1: rest. Each picture goes to its file: 4 bytes a pixel, premultiplied, top row first.
+// web_referee AVATAR --time N: the median of N frames, ms, of what the module does for WebGL2 (clip and dplProject), by one thread, for
+// each shot; no picture. clip -1: rest. Each picture goes to its file: 4 bytes a pixel, premultiplied, top row first.
 #include <doppel/doppel_convert.h>
+#include <doppel/doppel_splats.h>
 
+#include <algorithm>
+#include <chrono>
 #include <cstdio>
+#include <cstdlib>
 #include <iostream>
 #include <string>
 #include <vector>
@@ -16,16 +21,39 @@ int complain(const std::string& what) {
     return 1;
 }
 
+/** Prints the median of `frames` frames, ms: clip 0 at another time each, projected. */
+bool timeFrames(DplContext context, DplAvatar avatar, const DplCamera& camera, int frames) {
+    static std::vector<DplScreenSplat> splats;
+    DplAvatarInfo about{};
+    about.structSize = sizeof about;
+    if (dplGetAvatarInfo(avatar, &about) != DPL_OK) return false;
+    splats.resize(about.splatCount);
+    std::vector<double> tookMs;
+    DplProjection made{};
+    made.structSize = sizeof made;
+    for (int i = 0; i < frames; ++i) {
+        const auto start = std::chrono::steady_clock::now();
+        if (dplSetPoseFromClip(avatar, 0, i / 30.0, DPL_TRUE) != DPL_OK) return false;
+        if (dplProject(context, &avatar, 1, &camera, 1, splats.data(), uint32_t(splats.size()), &made) != DPL_OK) return false;
+        tookMs.push_back(std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count());
+    }
+    std::sort(tookMs.begin(), tookMs.end());
+    std::printf("%.3f\n", tookMs[tookMs.size() / 2]);
+    return true;
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
-    if (argc != 2) {
-        std::fprintf(stderr, "usage: web_referee AVATAR < SHOTS\n");
+    const int timed = argc == 4 && std::string(argv[2]) == "--time" ? std::atoi(argv[3]) : 0;
+    if (argc != 2 && timed <= 0) {
+        std::fprintf(stderr, "usage: web_referee AVATAR [--time N] < SHOTS\n");
         return 2;
     }
     DplContextInfo info{};
     info.structSize = sizeof info;
     info.renderer = DPL_RENDERER_SOFTWARE;
+    if (timed > 0) info.threadCount = 1;
     DplContext context = nullptr;
     if (dplCreateContext(&info, &context) != DPL_OK) return complain("no context");
     DplAvatar avatar = nullptr;
@@ -42,6 +70,10 @@ int main(int argc, char** argv) {
         DplCamera camera{};
         camera.structSize = sizeof camera;
         if (dplCameraLookAt(eye, target, up, fovYRad, width, height, &camera) != DPL_OK) return complain(file);
+        if (timed > 0) {
+            if (!timeFrames(context, avatar, camera, timed)) return complain(file);
+            continue;
+        }
         std::vector<uint8_t> rgba(size_t(width) * height * 4);
         DplImage image{};
         image.structSize = sizeof image;

@@ -3,6 +3,7 @@
 // the server of browser.mjs.
 import { Doppel } from '../../platform/web/doppel.js';
 import { SplatRenderer } from '../../platform/web/webgl-renderer.js';
+import { XREyes, cameraOfXRView } from '../../platform/web/webxr.js';
 import { SHOTS } from './shots.mjs';
 
 const MODULE = '/module/doppel.wasm', PERSON = '/work/person.glb', KIT = '/work/kit/';
@@ -61,7 +62,7 @@ async function lostDevice(person) {
   device.loseContext();
   await event(target, 'webglcontextlost');
   const drawn = renderer.draw(person, camera);
-  await new Promise(done => setTimeout(done, 50));
+  await new Promise(done => setTimeout(done));  // while the event is told, the browser gives nothing back
   device.restoreContext();
   await event(target, 'webglcontextrestored');
   const again = renderer.draw(person, camera);
@@ -93,6 +94,45 @@ async function refused(person) {
       found.absent = { message: error.message, code: error.code };
     }
   });
+}
+
+/** Both eyes of a session that is mocked: a headset of 64 mm between its eyes, fields of view that differ to both sides, turned a little. */
+async function eyes(person) {
+  const renderer = new SplatRenderer(canvas(), { xrCompatible: true }), gl = renderer.context, width = 320, height = 360;
+  const framebuffer = gl.createFramebuffer(), texture = gl.createTexture();
+  gl.bindTexture(gl.TEXTURE_2D, texture);
+  gl.texStorage2D(gl.TEXTURE_2D, 1, gl.RGBA8, 2 * width, height + 10);
+  gl.bindFramebuffer(gl.FRAMEBUFFER, framebuffer);
+  gl.framebufferTexture2D(gl.FRAMEBUFFER, gl.COLOR_ATTACHMENT0, gl.TEXTURE_2D, texture, 0);
+  const c = Math.cos(0.3), s = Math.sin(0.3), near = 0.1;
+  const eye = (aside, left, right) => ({  // tangents of the field of view; up and down are 0.9 and 0.7
+    projectionMatrix: [2 / (right + left), 0, 0, 0, 0, 2 / 1.6, 0, 0, (right - left) / (right + left), (0.9 - 0.7) / 1.6, -1, -1, 0, 0, -2 * near, 0],
+    transform: { inverse: { matrix: [c, 0, s, 0, 0, 1, 0, 0, -s, 0, c, 0, -aside, -1.1, -2, 1] } },
+  });
+  const views = [eye(-0.032, 0.8, 0.6), eye(0.032, 0.6, 0.8)];
+  const at = [{ x: 0, y: 10, width, height }, { x: width, y: 10, width, height }];
+  const layer = { framebuffer, getViewport: view => at[views.indexOf(view)] };
+  let known = true;
+  const frame = { session: { renderState: { baseLayer: layer } }, getViewerPose: () => known ? { views } : null };
+  const xr = new XREyes();
+  person.setClip(0, 0.4);
+  found.eyes = { drawn: xr.draw(renderer, person, frame, {}), width, height };
+  gl.bindFramebuffer(gl.FRAMEBUFFER, framebuffer);
+  for (const [i, name] of ['left', 'right'].entries()) {
+    const upsideDown = new Uint8Array(width * height * 4), rgba = new Uint8Array(width * height * 4), row = 4 * width;
+    gl.readPixels(at[i].x, at[i].y, width, height, gl.RGBA, gl.UNSIGNED_BYTE, upsideDown);
+    for (let y = 0; y < height; ++y) rgba.set(upsideDown.subarray((height - 1 - y) * row, (height - y) * row), y * row);
+    await post(`/picture/eye-${name}.rgba`, rgba);
+    await post(`/picture/eye-${name}-cpu.rgba`, person.draw(cameraOfXRView(views[i], width, height)));
+  }
+  // A point in front of the left eye, through WebGL's matrices and through the camera.
+  const camera = cameraOfXRView(views[0], width, height), world = [0.3, 1.4, 0.2, 1], p = views[0].projectionMatrix, m = views[0].transform.inverse.matrix;
+  const times = (a, v) => [0, 1, 2, 3].map(row => v.reduce((sum, value, k) => sum + a[4 * k + row] * value, 0)), clip = times(p, times(m, world));
+  const [x, y, z] = [0, 1, 2].map(row => world.reduce((sum, value, k) => sum + camera.viewFromWorld[4 * row + k] * value, 0));
+  found.eyes.off = Math.hypot((clip[0] / clip[3] + 1) / 2 * width - (camera.fx * x / z + camera.cx), (1 - clip[1] / clip[3]) / 2 * height - (camera.fy * y / z + camera.cy));
+  known = false;
+  found.eyes.unknown = xr.draw(renderer, person, frame, {});
+  renderer.dispose();
 }
 
 /** Memory after many frames, and the time of their parts. */
@@ -157,6 +197,7 @@ try {
   await kit();
   await lostDevice(person);
   await refused(person);
+  await eyes(person);
   await many(person);
 } catch (error) {
   found.thrown = `${error.message}\n${error.stack}`;

@@ -1,24 +1,27 @@
 // SPDX-License-Identifier: Apache-2.0
-// node webgl_test.mjs: webgl_page.mjs in headless Chromium. WEB_REFEREE: pictures of SHOTS by dplRender; WEB_LIBRARY: those of the
-// conformance kit. Writes the pictures of WebGL2 to WEB_WORK/webgl. The rest: browser.mjs.
+// node webgl_test.mjs [FILE]: webgl_page.mjs in headless Chromium. WEB_REFEREE: pictures of SHOTS by dplRender; WEB_LIBRARY: those of the
+// conformance kit; WEB_REFEREE_PROGRAM: web_referee. Writes the pictures of WebGL2 to WEB_WORK/webgl, and its figures to FILE, a JSON
+// object a line. The rest: browser.mjs.
 import assert from 'node:assert/strict';
+import { execFileSync } from 'node:child_process';
 import fs from 'node:fs';
 import path from 'node:path';
 import { visit } from './browser.mjs';
 import { png, readPng } from './png.mjs';
-import { SHOTS, compare } from './shots.mjs';
+import { SHOTS, compare, line } from './shots.mjs';
 
 const LEAST_DB = 60;
 const LEAST_DB_RGBA8 = 45;  // every splat is rounded to 8 bits; measured 49 to 56
-const { WEB_REFEREE, WEB_LIBRARY, WEB_WORK } = process.env;
+const { WEB_REFEREE, WEB_LIBRARY, WEB_WORK, WEB_REFEREE_PROGRAM } = process.env;
 const folder = path.join(WEB_WORK, 'webgl');
 const { result, pictures } = await visit('webgl.html');
 fs.mkdirSync(folder, { recursive: true });
-const failed = [];
+const failed = [], rows = [];
 function judge(name, a, b, least, mayBeBlank = false) {
   const { db, levels, covered } = compare(a, b);
   const good = db >= least && (mayBeBlank || covered > 0);
   console.log(`${good ? ' ' : '!'} ${name.padEnd(34)} ${db === Infinity ? 'equal bytes' : `${db.toFixed(1)} dB, at most ${levels} levels`}`);
+  rows.push({ row: 'picture', picture: name, psnr_db: db === Infinity ? null : db, levels, bars: { psnr_db: { value: least, kind: 'at least' } } });
   if (!good) failed.push(name);
 }
 assert.equal(result.target, 'RGBA16F');
@@ -38,16 +41,34 @@ assert.equal(result.refusedTarget, 'RGBA8');
 assert.equal(result.unsupportedTarget, 'RGBA8');
 for (const shot of SHOTS)
   judge(`RGBA8: ${shot.name}`, pictures.get(`rgba8-${shot.name}`), fs.readFileSync(path.join(WEB_REFEREE, `${shot.name}.rgba`)), LEAST_DB_RGBA8);
+for (const eye of ['left', 'right']) {
+  const drawn = pictures.get(`eye-${eye}`);
+  fs.writeFileSync(path.join(folder, `eye-${eye}.png`), png(drawn, result.eyes.width, result.eyes.height));
+  judge(`WebXR, ${eye} eye, to the module`, drawn, pictures.get(`eye-${eye}-cpu`), LEAST_DB);
+}
+assert.ok(result.eyes.drawn === true && result.eyes.unknown === false && result.eyes.off < 1e-3, JSON.stringify(result.eyes));
+assert.ok(compare(pictures.get('eye-left'), pictures.get('eye-right')).levels > 100, 'the eyes differ');
 assert.deepEqual(failed, []);
 assert.equal(result.absent.code, 'DPL_ERROR_UNSUPPORTED');
 assert.match(result.absent.message, /has no WebGL2/);
 assert.deepEqual(result.lost.said, ['lost', 'restored']);
 assert.ok(!result.lost.drawn && result.lost.again && result.lost.same && result.lost.covered > 2000, JSON.stringify(result.lost));
 const { growth, ms } = result;
+const timed = { ...SHOTS[0], width: 480, height: 640 };
+const nativeMs = Number(execFileSync(WEB_REFEREE_PROGRAM, [path.join(WEB_WORK, 'person.glb'), '--time', '31'], { input: line(timed, 'none') }));
 console.log(`${growth.frames} frames: JavaScript's memory grew by ${growth.heap} bytes, by ${growth.later} in the second half, the module's by ${growth.wasm}; ${growth.garbage} bytes of garbage`);
-console.log(`480 × 640, ${result.splats} splats, ms: pose, cull, project and sort ${ms.project.toFixed(1)}; upload and draw calls ${ms.submit.toFixed(1)}; `
+console.log(`480 × 640, ${result.splats} splats, ms: pose, cull, project and sort ${ms.project.toFixed(1)}, by the native library on one thread ${nativeMs.toFixed(1)} (${(ms.project / nativeMs).toFixed(2)} times); upload and draw calls ${ms.submit.toFixed(1)}; `
   + `until the pixels are there ${ms.whole.toFixed(1)} by SwiftShader; ${result.uploadedBytes} bytes uploaded a frame`);
 assert.equal(growth.wasm, 0);
 assert.ok(growth.garbage < 500 * 1024, 'a frame allocates');  // what Chromium's bindings and this page's waits leave: half a KB a frame
 // The first half may still compile code. A leak of one object a frame would be more: 500 of at least 28 bytes.
 assert.ok(growth.later < 14000, 'memory grows');
+rows.push({
+  row: 'frame', size: '480 × 640', splats: result.splats, uploaded_bytes: result.uploadedBytes, project_ms: ms.project, native_project_ms: nativeMs,
+  times_native: ms.project / nativeMs, submit_ms: ms.submit, whole_ms: ms.whole, bars: { times_native: { value: 1.5, kind: 'at most' } },
+});
+rows.push({
+  row: 'growth', frames: growth.frames, module_bytes: growth.wasm, second_half_bytes: growth.later, garbage_bytes_a_frame: growth.garbage / (growth.frames / 2),
+  bars: { module_bytes: { value: 0, kind: 'at most' } },
+});
+if (process.argv[2]) fs.writeFileSync(process.argv[2], rows.map(row => `${JSON.stringify(row)}\n`).join(''));

@@ -81,7 +81,7 @@ class Place:
 @dataclasses.dataclass
 class Bench:
     name: str
-    group: str  # quick, long, gpu or unseen
+    group: str  # quick, long, gpu, unseen or web
     minutes: float  # duration on two idle cores
     about: str
     command: str  # as a person would type it, for the page
@@ -238,6 +238,12 @@ def take_delay(place):
     if not rows:
         raise BenchError("motion_tracker_test printed no line that begins with 'elbow at 60 Hz'")
     return rows
+
+
+def take_web(place):
+    if not shutil.which("node"):
+        raise Skipped("node is not installed")
+    return place.json_lines("web", ["tools/prove-web", "--webgl"])
 
 
 def take_load_frames(place):
@@ -444,6 +450,7 @@ BENCHES = [
           "build/release/tests/metal/bench_host demo/avatar/avatar.glb 40", ("bench_host",), take_host),
     Bench("delay", "quick", 0.1, "how late a tracked person is shown",
           "build/release/tests/unit/motion/motion_tracker_test --gtest_filter='*delayOfTheFilter*'", ("motion_tracker_test",), take_delay),
+    Bench("web", "web", 6, "WebGL2 in headless Chromium, by SwiftShader", "tools/prove-web --webgl", (), take_web),
     Bench("load-frames", "quick", 0.5, "the longest frame while 500,000 splats load", "build/release/tools/bench/bench_load_frames 500000",
           ("bench_load_frames",), take_load_frames),
     Bench("steady", "quick", 0.1, "frames until a frame budget holds, on simulated devices",

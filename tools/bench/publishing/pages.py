@@ -288,6 +288,30 @@ def headline(store):
     return table(["what", "figure", "what it means", "all of it"], rows)
 
 
+def web(store):
+    def body(rows):
+        pictures, frame, growth = [r for r in rows if r["row"] == "picture"], find(rows, row="frame"), find(rows, row="growth")
+        text = table(["of a frame", "figure"], [
+            ["picture, splats", f"{frame['size']}, {number(frame['splats'], 0)}"],
+            ["pose, cull, project and sort in WebAssembly, ms", number(frame["project_ms"], 1)],
+            ["the same by the native library on one thread, ms", number(frame["native_project_ms"], 1)],
+            ["times the native library", barred(frame, "times_native")],
+            ["upload and draw calls, ms", number(frame["submit_ms"], 1)],
+            ["until the pixels are there, all together, blending by SwiftShader on the CPU, ms", number(frame["whole_ms"], 0)],
+            ["uploaded, bytes", number(frame["uploaded_bytes"], 0)],
+            [f"memory of the module after {number(growth['frames'], 0)} frames: growth, bytes", barred(growth, "module_bytes", 0)],
+            ["memory of JavaScript in the second half of them: growth, bytes", number(growth["second_half_bytes"], 0)],
+            ["garbage a frame, of the browser's bindings and the test, bytes", number(growth["garbage_bytes_a_frame"], 0)],
+        ])
+        return text + "\n" + table(["picture", "to the CPU renderer, dB", "largest difference, levels"], [
+            [r["picture"], "equal bytes" if r["psnr_db"] is None else barred(r, "psnr_db", 1), r["levels"]] for r in pictures])
+    text = BACK + (
+        "# In a browser\n\nHeadless Chromium draws a sample person and the conformance kit by WebGL2, with the module of `platform/web`. There is no "
+        "GPU here: SwiftShader blends on the CPU, so the time until the pixels are there says nothing about any device. No phone has been measured. "
+        "*RGBA8*: what devices without float targets draw. All cases of the kit are here.\n\n")
+    return text + section(store, "web", "WebGL2 against the CPU renderer", body)
+
+
 def machines(store):
     """One line for each kind of machine that figures were taken on."""
     seen = {}
@@ -318,7 +342,7 @@ def speed_plot(store):
 
 
 PAGES = {"quality": quality, "ladder": ladder, "reports": reports, "training": training, "frames": frames, "baselines": baselines, "memory": memory,
-         "apps": apps, "detail": detail, "scaling": scaling, "floor": floor, "gpu": gpu}
+         "apps": apps, "detail": detail, "scaling": scaling, "floor": floor, "gpu": gpu, "web": web}
 
 
 def write_all(root, out):
