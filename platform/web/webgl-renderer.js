@@ -214,12 +214,15 @@ export class SplatRenderer {
     this.#empty = gl.createVertexArray();
     const floats = gl.getExtension('EXT_color_buffer_float') || gl.getExtension('EXT_color_buffer_half_float');
     this.#format = floats ? gl.RGBA16F : gl.RGBA8;
-    this.#resize(1, 1, 1);
+    if (this.#resize(1, 1, 1)) return;
+    this.#format = gl.RGBA8;
+    this.#width = 0;
+    if (!this.#resize(1, 1, 1)) throw unsupported('this device draws into no texture');
   }
 
-  /** Makes the targets of a picture: one layer a sample. */
+  /** Makes the targets of a picture: one layer a sample. False: the device refuses them. */
   #resize(width, height, layers) {
-    if (width === this.#width && height === this.#height && layers <= this.#layers) return;
+    if (width === this.#width && height === this.#height && layers <= this.#layers) return true;
     const gl = this.#gl;
     for (const framebuffer of this.#framebuffers) gl.deleteFramebuffer(framebuffer);
     gl.deleteTexture(this.#picture);
@@ -237,11 +240,7 @@ export class SplatRenderer {
       gl.framebufferTextureLayer(gl.FRAMEBUFFER, gl.COLOR_ATTACHMENT0, this.#picture, 0, k);
     }
     this.#width = width, this.#height = height, this.#layers = layers;
-    if (gl.isContextLost() || gl.checkFramebufferStatus(gl.FRAMEBUFFER) === gl.FRAMEBUFFER_COMPLETE) return;
-    if (this.#format === gl.RGBA8) throw unsupported(`this device cannot draw pictures of ${width} × ${height} pixels`);
-    this.#format = gl.RGBA8;
-    this.#width = 0;
-    this.#resize(width, height, layers);
+    return gl.isContextLost() || gl.checkFramebufferStatus(gl.FRAMEBUFFER) === gl.FRAMEBUFFER_COMPLETE;
   }
 
   /** Draws a person, posed, onto the transparent canvas, which gets the size of the camera. False: the graphics device is lost. Errors of
@@ -274,7 +273,10 @@ export class SplatRenderer {
   #blendView(made, view, width, height) {
     const gl = this.#gl, first = view === 0 ? 0 : made.counts[0];
     this.#samples = made.samples;
-    this.#resize(width, height, made.samples > 1 ? MOST_LAYERS : 1);
+    if (!this.#resize(width, height, made.samples > 1 ? MOST_LAYERS : 1)) {
+      this.#width = 0;
+      throw unsupported(`this device cannot draw pictures of ${width} × ${height} pixels`);
+    }
     gl.viewport(0, 0, width, height);
     for (let k = 0; k < made.samples; ++k) {
       gl.bindFramebuffer(gl.FRAMEBUFFER, this.#framebuffers[k]);

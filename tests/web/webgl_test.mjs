@@ -11,6 +11,7 @@ import { png, readPng } from './png.mjs';
 import { SHOTS, compare, line } from './shots.mjs';
 
 const LEAST_DB = 60;
+const LEAST_DB_SAMPLES = 66;  // four samples a pixel: measured 70 and 71, and 62 with the samples mirrored
 const LEAST_DB_RGBA8 = 45;  // every splat is rounded to 8 bits; measured 49 to 56
 const { WEB_REFEREE, WEB_LIBRARY, WEB_WORK, WEB_REFEREE_PROGRAM } = process.env;
 const folder = path.join(WEB_WORK, 'webgl');
@@ -33,8 +34,8 @@ for (const shot of SHOTS) {
 for (const { name, picture, width, height, blank } of result.kit) {
   const drawn = pictures.get(`kit-${picture}`);
   fs.writeFileSync(path.join(folder, picture), png(drawn, width, height));
-  judge(`kit: ${picture.replace('.png', '')}`, drawn, readPng(fs.readFileSync(path.join(WEB_LIBRARY, picture))).rgba, LEAST_DB, blank);
-  assert.ok(name);
+  judge(`kit: ${picture.replace('.png', '')}`, drawn, readPng(fs.readFileSync(path.join(WEB_LIBRARY, picture))).rgba,
+    name === 'coarser-than-trained' ? LEAST_DB_SAMPLES : LEAST_DB, blank);
 }
 assert.ok(result.kit.length >= 22, 'no case of the kit is left out');
 assert.equal(result.refusedTarget, 'RGBA8');

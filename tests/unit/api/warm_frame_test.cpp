@@ -9,6 +9,7 @@
 #include "sdk/format/avatar_file.h"
 #include "sdk/format/ply.h"
 #include "sdk/include/doppel/doppel.hpp"
+#include "sdk/include/doppel/doppel_splats.h"
 #include "tests/reference/random_avatar.h"
 #include "tests/unit/format/sample_correctives.h"
 #include "tests/unit/render/tube_avatar.h"
@@ -161,6 +162,33 @@ uint64_t mixFrames(doppel::Avatar& avatar, doppel::Player& player, int frames) {
     const uint64_t allocations = count.stop();
     EXPECT_TRUE(posed) << dplGetLastError();
     return allocations;
+}
+
+TEST(WarmFrame, projectedSplatsAreFree) {
+    const DplContextInfo info{sizeof(DplContextInfo), DPL_RENDERER_SOFTWARE, 2, 0, DPL_FILL_AUTO, nullptr};
+    DplContext context = nullptr;
+    ASSERT_EQ(dplCreateContext(&info, &context), DPL_OK) << dplGetLastError();
+    const std::vector<uint8_t> bytes = avatarFile();
+    DplAvatar avatar = nullptr;
+    ASSERT_EQ(dplLoadAvatar(context, bytes.data(), bytes.size(), &avatar), DPL_OK) << dplGetLastError();
+    std::vector<DplScreenSplat> splats(1 << 14);
+    DplProjection made{};
+    made.structSize = sizeof made;
+    const auto play = [&](int frames) {
+        AllocationCount count;
+        for (int frame = 0; frame < frames; ++frame) {
+            const float t = float(frame) / float(frames);
+            const DplCamera eyes[2] = {cameraAt(t, -0.03f, frame % 2), cameraAt(t, 0.03f, frame % 2)};
+            EXPECT_EQ(dplSetPoseFromClip(avatar, 0, t, DPL_TRUE), DPL_OK) << dplGetLastError();
+            EXPECT_EQ(dplProject(context, &avatar, 1, eyes, 2, splats.data(), uint32_t(splats.size()), &made), DPL_OK) << dplGetLastError();
+            EXPECT_GT(made.counts[1], 100u);
+        }
+        return count.stop();
+    };
+    EXPECT_GT(play(9), 0u) << "the counter counts nothing";
+    EXPECT_EQ(play(18), 0u);
+    EXPECT_EQ(dplDestroyAvatar(avatar), DPL_OK);
+    EXPECT_EQ(dplDestroyContext(context), DPL_OK);
 }
 
 TEST(WarmFrame, mixesAndGazesAllocateNothing) {
