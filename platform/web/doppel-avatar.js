@@ -3,13 +3,14 @@
 //
 // Attributes: src, the file. clip: name or number of the clip; without it the first one. autoplay: plays, unless the visitor asks for
 // reduced motion. camera-controls: drag, wheel, two fingers, arrow keys, + and -. poster: a picture until the first one is drawn, and where
-// none can be. module: where doppel.wasm is. alt: what the picture shows, for those who do not see it.
+// none can be. auto-rotate: turns slowly while the clip plays, until the visitor turns. module: where doppel.wasm is. alt: what the picture shows, for those who do not see it.
 // Events: progress (detail: loaded, total), load, first-picture, error (detail: message, code). Slot `poster` takes other contents.
 // It draws on the CPU. Where a picture takes longer than FRAME_MS, the next ones have fewer pixels, and the browser enlarges them.
 import { Doppel, DoppelError } from './doppel.js';
 
 const FOV_Y = 0.6;
 const FRAME_MS = 30;
+const ROTATION_PER_S = 0.35;  // radians, with auto-rotate
 const LEAST_SCALE = 0.35;  // of the pixels of the screen, in each direction
 const MOST_DENSITY = 2;    // pixels a CSS pixel
 const ORBIT_PER_PX = 0.01, ORBIT_PER_KEY = 0.15, ZOOM_PER_KEY = 1.15;
@@ -32,7 +33,7 @@ export class DoppelAvatarElement extends (globalThis.HTMLElement ?? class {}) {
 
   #canvas; #poster; #slot; #context2d = null; #person = null; #loading = null; #resize; #sight; #frame = 0;
   #playing = false; #inSight = true; #time = 0; #last = 0; #stale = true; #shown = false; #scale = 1;
-  #azimuth = 0.35; #elevation = 0.05; #zoom = 1; #pointers = new Map();
+  #azimuth = 0.35; #elevation = 0.05; #zoom = 1; #pointers = new Map(); #turnedByHand = false;
   #onVisibility = () => this.#wake();
 
   constructor() {
@@ -171,7 +172,9 @@ export class DoppelAvatarElement extends (globalThis.HTMLElement ?? class {}) {
     this.#frame = requestAnimationFrame(now => {
       this.#frame = 0;
       if (!this.#person) return;
-      if (this.#playing) this.#time += this.#last ? Math.min(0.1, (now - this.#last) / 1000) : 0;
+      const passed = this.#playing && this.#last ? Math.min(0.1, (now - this.#last) / 1000) : 0;
+      this.#time += passed;
+      if (this.hasAttribute('auto-rotate') && !this.#turnedByHand) this.#azimuth += ROTATION_PER_S * passed;
       this.#last = this.#playing ? now : 0;
       this.#stale = false;
       try {
@@ -227,6 +230,7 @@ export class DoppelAvatarElement extends (globalThis.HTMLElement ?? class {}) {
   }
 
   #turn(azimuth, elevation) {
+    this.#turnedByHand = true;
     this.#azimuth += azimuth;
     this.#elevation = Math.min(HIGHEST, Math.max(-HIGHEST, this.#elevation + elevation));
     this.redraw();

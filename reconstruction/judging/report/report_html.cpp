@@ -6,6 +6,7 @@
 #include "reconstruction/judging/report/html_parts.h"
 #include "reconstruction/judging/report/plain_words.h"
 #include "reconstruction/judging/report/report.h"
+#include "reconstruction/output/page/live_page.h"
 
 namespace dpl {
 namespace {
@@ -178,9 +179,9 @@ void addDetails(std::string& html, const ReportData& data) {
     html += "</details>";
 }
 
-std::string pageHead(const std::string& title) {
+std::string pageHead(const std::string& title, const std::string& moreStyle = {}) {
     return "<!doctype html><html lang=en><meta charset=utf-8><meta name=viewport content=\"width=device-width,initial-scale=1\"><title>" +
-           escapeHtml(title) + "</title><style>" + kPageStyle + "</style>";
+           escapeHtml(title) + "</title><style>" + kPageStyle + moreStyle + "</style>";
 }
 
 }  // namespace
@@ -195,7 +196,8 @@ std::string unfinishedHtml(const std::string& title, const FilmAgainSection& fil
 }
 
 std::string reportHtml(const ReportData& data) {
-    std::string html = pageHead(data.title);
+    const bool alive = data.live && !data.portrait.png.empty();
+    std::string html = pageHead(data.title, alive ? data.live->module.style : "");
     addTop(html, data);
     addAdvice(html, data.filmAgain);
     addClips(html, data.clips);
@@ -205,6 +207,7 @@ std::string reportHtml(const ReportData& data) {
         html += bulletList(parts);
     }
     addDetails(html, data);
+    if (alive) html += liveParts(data.live->module, data.live->avatar);
     return html + "</html>\n";
 }
 
