@@ -14,7 +14,12 @@ const still = figure.querySelector('img');
 function bytesOf(id) {
   const holder = document.getElementById(id);
   if (!holder) throw new Error('this page is cut off; get it again');
-  const text = atob(holder.textContent);
+  let text;
+  try {
+    text = atob(holder.textContent);
+  } catch {
+    throw new Error('this page is damaged; get it again');
+  }
   const bytes = new Uint8Array(text.length);
   for (let i = 0; i < text.length; ++i) bytes[i] = text.charCodeAt(i);
   holder.remove();

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "reconstruction/judging/report/compare.h"
 #include "reconstruction/judging/report/first_screen.h"
 #include "reconstruction/judging/report/html_parts.h"
 #include "reconstruction/judging/report/plain_words.h"
@@ -63,7 +64,7 @@ void addPictures(std::string& html, const ReportData& data) {
     html +=
         "<h2>The avatar beside its pictures</h2><p class=soft>Left the picture, right the avatar. It was not made from these pictures; "
         "only "
-        "its pose was fitted to each.</p><div class=pictures>";
+        "its pose was fitted to each.</p><div class=\"pictures pairs\">";
     for (const HeldOutFrame& frame : data.frames)
         if (!frame.renderPng.empty())
             html += "<figure>" + pngImage(frame.truthPng, "picture") + pngImage(frame.renderPng, "avatar") + "</figure>";
@@ -74,7 +75,7 @@ void addDifferences(std::string& html, const ReportData& data) {
     if (!hasPictures(data)) return;
     html +=
         "<h2>What differs from the pictures</h2><p class=soft>Four times as strong, in the order of the pictures above.</p>"
-        "<div class=pictures>";
+        "<div class=\"pictures differences\">";
     for (const HeldOutFrame& frame : data.frames) {
         if (frame.renderPng.empty()) continue;
         html += "<figure>" + pngImage(frame.differencePng, "difference") + "<figcaption>" + escapeHtml(frame.name) + " <span class=soft>" +
@@ -197,7 +198,7 @@ std::string unfinishedHtml(const std::string& title, const FilmAgainSection& fil
 
 std::string reportHtml(const ReportData& data) {
     const bool alive = data.live && !data.portrait.png.empty();
-    std::string html = pageHead(data.title, alive ? data.live->module.style : "");
+    std::string html = pageHead(data.title, kCompareStyle + (alive ? data.live->module.style : ""));
     addTop(html, data);
     addAdvice(html, data.filmAgain);
     addClips(html, data.clips);
@@ -207,6 +208,7 @@ std::string reportHtml(const ReportData& data) {
         html += bulletList(parts);
     }
     addDetails(html, data);
+    if (hasPictures(data)) html += std::string("<script>") + kCompareScript + "</script>";
     if (alive) html += liveParts(data.live->module, data.live->avatar);
     return html + "</html>\n";
 }
