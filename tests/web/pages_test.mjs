@@ -72,9 +72,17 @@ async function lives(file, name, width, height) {
   await page.screenshot(path.join(WEB_WORK, `${name}-${width}.png`));
   assert.equal(await page.eval('document.scrollingElement.scrollWidth > innerWidth'), false, 'it scrolls sideways');
   assert.equal(await page.eval("getComputedStyle(document.querySelector('#person img')).visibility"), 'hidden');
-  // Pause: once the picture stands, it stays the same.
+  // Pause: the last pictures become sharper, and then the person stands.
   await page.eval("document.querySelector('#person .moves button:last-child').click()");
   assert.equal(await page.eval("document.querySelector('#person .moves button:last-child').textContent"), 'Play');
+  let stands = false;
+  for (let tries = 0, last = await page.eval(PIXELS); !stands && tries < 100; ++tries) {
+    await page.eval('new Promise(next => setTimeout(next, 200))');
+    const now = await page.eval(PIXELS);
+    stands = differ(last, now) === 0;
+    last = now;
+  }
+  assert.ok(stands, 'a paused person stands still');
   const asked = page.requests.filter(url => !url.startsWith('data:') && !url.startsWith('blob:') && !url.startsWith('file:'));
   assert.deepEqual(asked, [], 'no network');
   assert.deepEqual(page.errors, []);
@@ -116,6 +124,13 @@ try {
     console.log(`${what}: "${said}"`);
     await page.close();
   }
+
+  // Under the content policy that docs/guides/web.md states.
+  const policy = "default-src 'none'; script-src 'unsafe-inline' 'wasm-unsafe-eval'; style-src 'unsafe-inline'; img-src data:; connect-src blob:";
+  assert.ok(fs.readFileSync(new URL('../../docs/guides/web.md', import.meta.url), 'utf8').includes(policy.replace("default-src 'none'; ", '')));
+  const guarded = path.join(WEB_WORK, 'guarded.html');
+  fs.writeFileSync(guarded, text.replace('<meta charset=utf-8>', `<meta charset=utf-8><meta http-equiv="Content-Security-Policy" content="${policy}">`));
+  await lives(guarded, 'guarded', 390, 844);
 
   // The slider between picture and avatar, from the images of the gallery.
   const page = await browser.open(pathToFileURL(report).href, { width: 390, height: 844 });

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Unpacks a .lzma file (LZMA1 with its 13-byte header, as `xz --format=lzma` writes it). Pages that hold the module in themselves need it:
-// gzip, which browsers unpack themselves, takes a third more. docs/adr says why.
+// gzip, which browsers unpack themselves, takes a third more (docs/adr/0087).
 
 const TOP = 1 << 24, HALF = 1024;  // range below which the coder takes another byte; a probability of one half, of 2048
 const MOST_BYTES = 64 * 1024 * 1024;
