@@ -4,7 +4,8 @@
 
     bundle.py FIRST.js OUT.js
 
-Each module becomes a function that returns what it exports, so that their names do not meet. Lines that are comments are left out. Knows
+Each module becomes a function that returns what it exports, so that their names do not meet. Lines that are comments and spaces before
+and behind lines are left out, in templates too. Knows
 `import { a, b } from './file.js'`, `import './file.js'`, and `export` before const, function, async function and class; other forms
 are an error. No module may await outside of its functions.
 """
@@ -44,6 +45,7 @@ def bundle(first):
         if odd := re.search(r"^(?:import\b(?!\s*\()|export\b).*$", text, re.MULTILINE):
             sys.exit(f"{path}: bundle.py does not know '{odd.group(0)}'")
         out += f"const {seen[path]} = (() => {{\n{text.strip()}\nreturn {{ {', '.join(names)} }};\n}})();\n"
+    out = "\n".join(line.strip() for line in out.splitlines() if line.strip()) + "\n"
     if re.search(r"</script|<!--", out, re.IGNORECASE):
         sys.exit(f"{first}: the script would end the page's script element")
     return out
