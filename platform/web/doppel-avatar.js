@@ -3,7 +3,8 @@
 //
 // Attributes: src, the file. clip: name or number of the clip; without it the first one. autoplay: plays, unless the visitor asks for
 // reduced motion. camera-controls: drag, wheel, two fingers, arrow keys, + and -. poster: a picture until the first one is drawn, and where
-// none can be. auto-rotate: turns slowly while the clip plays, until the visitor turns. module: where doppel.wasm is. alt: what the picture shows, for those who do not see it.
+// none can be. auto-rotate: turns slowly while the clip plays, until the visitor turns. module: where doppel.wasm is.
+// alt: what the picture shows, for those who do not see it.
 // Events: progress (detail: loaded, total), load, first-picture, error (detail: message, code). Slot `poster` takes other contents.
 // It draws on the CPU. Where a picture takes longer than FRAME_MS, the next ones have fewer pixels, and the browser enlarges them.
 import { Doppel, DoppelError } from './doppel.js';

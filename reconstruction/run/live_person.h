@@ -12,7 +12,7 @@
 
 namespace dpl {
 
-/** Hash of what bringToLife() reads from the folder of the web module; empty where it is not whole. */
+/** Hash of what bringToLife() reads from the folder of the web module; "none" where that is not whole, empty where nobody names it. */
 std::string livePageKey(const std::filesystem::path& web);
 
 /** Lets the person in the report move: by the clips of the file, then by walkClips(). bytes, avatar: the same file. web: folder of the web

@@ -6,7 +6,7 @@ import path from 'node:path';
 
 const LIMIT_MS = 600000;
 
-/** Starts the browser. work: a folder for its profile. offline: no request reaches a network. */
+/** Starts the browser. work: a folder for its profile. */
 export async function startChromium(program, work) {
   const profile = fs.mkdtempSync(path.join(work, 'profile-'));
   const process_ = spawn(program, ['--headless=new', '--no-sandbox', '--disable-gpu', '--no-first-run', '--disable-background-networking',
@@ -34,7 +34,7 @@ export async function startChromium(program, work) {
     process_.stdio[3].write(JSON.stringify({ id: number, method, params, sessionId }) + '\0');
   });
 
-  /** A page of its own. options: width, height (CSS pixels), scripts (false: off). Every request but those of `allowed` is counted. */
+  /** A page of its own: {requests, errors, eval, until, screenshot, close}. width, height: CSS pixels; scripts: false turns them off. */
   async function open(url, { width = 1280, height = 800, scripts = true } = {}) {
     const { browserContextId } = await send('Target.createBrowserContext');
     const { targetId } = await send('Target.createTarget', { url: 'about:blank', browserContextId });

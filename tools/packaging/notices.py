@@ -39,7 +39,8 @@ COMPILED_IN = {
     "windows": {**LIBRARY, "libdraco-dev": "Apache-2.0", "libhwy-dev": "Apache-2.0", "libzstd-dev": "BSD-3-Clause", "zlib1g-dev": "Zlib",
                 "mingw-w64-common": "ZPL-2.1 AND LicenseRef-public-domain AND MIT AND BSD-3-Clause", "gcc-mingw-w64-base": GCC},
 }
-COMPILED_IN["linux"] = {name: licence for package in COMPILED_IN if package not in ("windows", "web") for name, licence in COMPILED_IN[package].items()}
+COMPILED_IN["linux"] = {name: licence for package in COMPILED_IN if package not in ("windows", "web")
+                        for name, licence in COMPILED_IN[package].items()}
 
 
 def version_of(package):
@@ -57,7 +58,8 @@ def copyright_of(package):
     """The text of Debian's copyright file."""
     path = next((doc / package / "copyright" for doc in (DOC, WEB_DOC) if (doc / package / "copyright").exists()), None)
     if path is None:
-        sys.exit(f"{DOC / package / 'copyright'} is not there; install {package}, or run tools/bootstrap, and for the web module tools/deps web")
+        sys.exit(f"{DOC / package / 'copyright'} is not there; install {package}, or run tools/bootstrap, and for the web module "
+                 "tools/deps web")
     return path.read_text(encoding="utf-8", errors="replace")
 
 

@@ -5,8 +5,8 @@
     make_types.py FILE        writes FILE
     make_types.py --check     only checks
 
-A line ` * @c dplName` takes what stands above the declaration of dplName in doppel.h, doppel_convert.h or doppel_surface.h. Fails where there is no such
-function or it has no words, and where doppel.js has a public function that the types lack, or the other way round.
+A line ` * @c dplName` takes what stands above the declaration of dplName in doppel.h, doppel_convert.h or doppel_surface.h. Fails where
+there is no such function or it has no words, and where doppel.js has a public function that the types lack, or the other way round.
 """
 import pathlib
 import re
