@@ -3,10 +3,10 @@
 // has a figure #person with a still picture, and the bytes of avatar and module in base64. This script lays a <doppel-avatar> over the
 // picture. The picture stays where scripts are off, and where the person cannot be drawn.
 import { DoppelAvatarElement } from '../doppel-avatar.js';
+import { labelOf } from './label.js';
 import { unlzma } from './lzma.js';
 
-const LABELS = { 'scan-motion': 'As filmed', walk: 'Walk', stroll: 'Stroll' };
-const MOST_CLIPS = 6, LONGEST_LABEL = 24;
+const MOST_CLIPS = 6;
 
 const figure = document.querySelector('#person');
 const still = figure.querySelector('img');
@@ -44,7 +44,7 @@ function button(label, onClick) {
 function controls(avatar) {
   const row = document.createElement('div');
   row.className = 'moves';
-  const clips = avatar.person.clips.slice(0, MOST_CLIPS).map(({ name }, i) => button((LABELS[name] ?? name).slice(0, LONGEST_LABEL), () => {
+  const clips = avatar.person.clips.slice(0, MOST_CLIPS).map(({ name }, i) => button(labelOf(name), () => {
     avatar.setAttribute('clip', String(i));
     show(i);
     play();

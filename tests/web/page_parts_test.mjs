@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// node --test: the unpacker of pages, against what xz packs. WEB_MODULE: doppel.wasm; its packed twin lies in page/ beside it.
+// node --test: parts of pages that need no browser: labels, and the unpacker against what xz packs. WEB_MODULE: doppel.wasm; its packed twin lies in page/ beside it.
 import assert from 'node:assert/strict';
 import { spawnSync } from 'node:child_process';
 import fs from 'node:fs';
 import path from 'node:path';
 import { test } from 'node:test';
+import { labelOf } from '../../platform/web/page/label.js';
 import { unlzma } from '../../platform/web/page/lzma.js';
 
 const packedModule = fs.readFileSync(path.join(path.dirname(process.env.WEB_MODULE), 'page/doppel.wasm.lzma'));
@@ -55,4 +56,10 @@ test('every truncation and many changed bytes end, in bytes or in an error', () 
       assert.match(error.message, /damaged/);
     }
   }
+});
+
+test('a label is the name of the clip as text, whatever it spells', () => {
+  assert.equal(labelOf('scan-motion'), 'As filmed');
+  for (const name of ['constructor', '__proto__', '<img src=x>', '']) assert.equal(labelOf(name), name);
+  assert.equal(labelOf('x'.repeat(1000)).length, 24);
 });
