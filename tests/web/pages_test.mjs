@@ -144,6 +144,9 @@ try {
   assert.equal(await page.eval(`${difference}.hidden`), true);
   await page.eval("[...document.querySelectorAll('.compare button')].find(b => b.textContent === 'Difference').click()");
   assert.equal(await page.eval(`${difference}.hidden || !${difference}.naturalWidth`), false);
+  const covered = "[...document.querySelectorAll('.layers .under, .layers .over, .layers .line')].every(e => getComputedStyle(e).display === 'none')";
+  assert.ok(await page.eval(covered), 'nothing lies over the difference');
+  await page.screenshot(path.join(WEB_WORK, 'difference-390.png'));
   const before = await page.eval(`${difference}.src`);
   await page.eval("document.querySelector('.compare button[aria-label=\"The next picture\"]').click()");
   assert.notEqual(await page.eval(`${difference}.src`), before);

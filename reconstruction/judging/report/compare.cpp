@@ -47,7 +47,7 @@ const char* const kCompareScript = R"js((() => {
     });
     differ.hidden = !images[2];
     difference.hidden = !differs || !images[2];
-    slider.hidden = line.hidden = !difference.hidden;
+    truth.hidden = avatar.hidden = slider.hidden = line.hidden = !difference.hidden;
     compare.setAttribute('aria-pressed', difference.hidden);
     differ.setAttribute('aria-pressed', !difference.hidden);
     count.textContent = `${current + 1} of ${pairs.length}`;
