@@ -12,7 +12,8 @@ const manifest = JSON.parse(fs.readFileSync(new URL('package.json', folder)));
 test('every file that the manifest names is there', () => {
   assert.match(manifest.version, /^\d+\.\d+\.\d+/);
   assert.deepEqual(manifest.dependencies, {});
-  const named = [manifest.main, manifest.types, ...manifest.sideEffects, ...Object.values(manifest.exports).flatMap(e => typeof e === 'string' ? [e] : Object.values(e))];
+  const named = [manifest.main, manifest.types, ...manifest.sideEffects,
+    ...Object.values(manifest.exports).flatMap(e => typeof e === 'string' ? [e] : Object.values(e))];
   for (const file of [...named, 'README.md', 'LICENSE', 'NOTICE', 'licences.txt', 'demo/index.html'])
     assert.ok(fs.statSync(new URL(file, folder)).size > 50, file);
 });

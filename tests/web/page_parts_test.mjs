@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// node --test: parts of pages that need no browser: labels, and the unpacker against what xz packs. WEB_MODULE: doppel.wasm; its packed twin lies in page/ beside it.
+// node --test: parts of pages that need no browser: labels, and the unpacker against what xz packs. WEB_MODULE:
+// doppel.wasm; its packed twin lies in page/ beside it.
 import assert from 'node:assert/strict';
 import { spawnSync } from 'node:child_process';
 import fs from 'node:fs';
