@@ -30,6 +30,7 @@ void addBodyCommand(CLI::App& app, CommandRun& run);
 void addExportCommand(CLI::App& app, CommandRun& run);
 void addPackCommand(CLI::App& app, CommandRun& run);
 void addDressCommand(CLI::App& app, CommandRun& run);
+void addShareCommand(CLI::App& app, CommandRun& run);
 void addCompletionCommand(CLI::App& app, CommandRun& run);
 void addManualCommand(CLI::App& app, CommandRun& run);
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <cstdio>
 
+#include "apps/doppel/beside_tool.h"
 #include "apps/doppel/commands.h"
 #include "apps/shared/checks.h"
 #include "reconstruction/run/evaluate.h"
@@ -25,6 +26,7 @@ void addEvaluateCommand(CLI::App& app, CommandRun& run) {
         "  doppel evaluate scan ada/avatar.glb --ladder -o ada/ladder");
     command->callback([options, &run] {
         run = [options] {
+            options->web = webFolder();
             Progress progress;
             const auto summary = evaluateAvatar(*options, progress);
             if (!summary) return reportError(summary.error());

@@ -59,6 +59,7 @@ int main(int argc, char** argv) {
         "  doppel check scan -o ada                    say what to film again\n"
         "  doppel reconstruct scan -o ada              make ada/avatar.glb and ada/report.html\n"
         "  doppel render ada/avatar.glb -o ada.mp4 --turntable\n"
+        "  doppel share ada -o ada.html                one page with the person alive, to send\n"
         "  doppel dress ada/avatar.glb --top ben/avatar.glb -o new.glb\n"
         "  doppel render ada/avatar.glb -o walk.mp4 --clip walk.bvh --stereo\n"
         "Exit codes: 0 done, 1 failed (the sentence says why), 2 wrong arguments, 130 stopped by Ctrl-C (a rerun continues).\n"
@@ -77,6 +78,7 @@ int main(int argc, char** argv) {
     addExportCommand(app, run);
     addPackCommand(app, run);
     addDressCommand(app, run);
+    addShareCommand(app, run);
     addBodyCommand(app, run);
     addBenchCommand(app, run);
     addCompletionCommand(app, run);

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "apps/doppel/beside_tool.h"
 #include "apps/doppel/commands.h"
 #include "apps/doppel/scan_options.h"
 #include "apps/doppel/talk.h"
@@ -55,6 +56,7 @@ void addReconstructCommand(CLI::App& app, CommandRun& run) {
         refuseInputAsOutput(options->out, {options->scan});
         run = [options, talk] {
             if (options->scan.empty() && !anyVideo(options->videos)) return talk->fail(missingSource());
+            options->web = webFolder();
             Progress progress(talk->style());
             const auto result = reconstruct(*options, progress);
             if (!result) return talk->fail(result.error());

@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <iostream>
 
+#include "apps/doppel/beside_tool.h"
 #include "apps/doppel/commands.h"
 #include "reconstruction/base/models_folder.h"
 #include "reconstruction/base/program.h"
@@ -24,9 +25,7 @@ struct SetupOptions {
 /** The script that fetches networks: beside an installed program, or of the source tree that the program was built in. */
 Result<fs::path> networksScript() {
     std::error_code ignored;
-    const fs::path folder = fs::read_symlink("/proc/self/exe", ignored).parent_path();
-    const fs::path candidates[] = {folder.parent_path() / DOPPEL_SETUP_FOLDER / "models",
-                                   folder.parent_path().parent_path().parent_path().parent_path() / "tools" / "models"};
+    const auto candidates = besideTool(fs::path(DOPPEL_SETUP_FOLDER) / "models", "tools/models");
     for (const fs::path& candidate : candidates)
         if (fs::is_regular_file(candidate, ignored)) return candidate;
     return fail(Code::NotFound, "{} is missing, which fetches the networks; install Doppel again", candidates[0].string());

@@ -3,8 +3,8 @@
 //
 // Attributes: src, the file. clip: name or number of the clip; without it the first one. autoplay: plays, unless the visitor asks for
 // reduced motion. camera-controls: drag, wheel, two fingers, arrow keys, + and -. poster: a picture until the first one is drawn, and where
-// none can be. module: where doppel.wasm is. alt: what the picture shows, for those who do not see it. renderer: `cpu` is without WebGL2.
-// Events: progress (detail: loaded, total), load, first-picture (detail: renderer), error (detail: message, code), device-lost and
+// none can be. auto-rotate: turns slowly while the clip plays, until the visitor turns. module: where doppel.wasm is. alt: what the picture
+// shows, for those who do not see it. renderer: `cpu` is without WebGL2.
 // device-restored (the browser took the graphics device away and gave it back). Slot `poster` takes other contents.
 // It draws by WebGL2, and on the CPU where that is missing. Moving pictures that come too slowly get fewer splats by WebGL2 (SplatPacer),
 // and fewer pixels on the CPU, which the browser enlarges. A picture that stands gets all of both.
@@ -13,7 +13,8 @@ import { SplatPacer } from './splat-pacer.js';
 import { SplatRenderer } from './webgl-renderer.js';
 
 const FOV_Y = 0.6;
-const FRAME_MS = 30;       // of a picture of the CPU
+const FRAME_MS = 30;          // of a picture of the CPU
+const ROTATION_PER_S = 0.35;  // radians, with auto-rotate
 const LEAST_SCALE = 0.35;  // of the pixels of the screen, in each direction
 const MOST_DENSITY = 2;    // pixels a CSS pixel
 const ORBIT_PER_PX = 0.01, ORBIT_PER_KEY = 0.15, ZOOM_PER_KEY = 1.15;
@@ -39,7 +40,7 @@ export class DoppelAvatarElement extends (globalThis.HTMLElement ?? class {}) {
   #canvas; #poster; #slot; #renderer = null; #pacer = new SplatPacer(); #givingUp = 0; #cpuOnly = false; #context2d = null;
   #person = null; #loading = null; #resize; #sight; #frame = 0;
   #playing = false; #inSight = true; #time = 0; #last = 0; #stale = true; #shown = false; #scale = 1;
-  #azimuth = 0.35; #elevation = 0.05; #zoom = 1; #pointers = new Map(); #clip = 0;
+  #azimuth = 0.35; #elevation = 0.05; #zoom = 1; #pointers = new Map(); #turnedByHand = false; #clip = 0;
   #view = { eye: [0, 0, 0], target: [0, 0, 0], fovY: FOV_Y, width: 0, height: 0 }; #camera = { viewFromWorld: new Array(12) };
   #onFrame = now => this.#drawFrame(now);
   #onVisibility = () => this.#wake();
@@ -200,7 +201,11 @@ export class DoppelAvatarElement extends (globalThis.HTMLElement ?? class {}) {
     this.#frame = 0;
     if (!this.#person) return;
     const moving = this.#playing || this.#pointers.size > 0, interval = moving && this.#last ? now - this.#last : 0;
-    if (this.#playing) this.#time += Math.min(100, interval) / 1000;
+    if (this.#playing) {
+      const passed = Math.min(100, interval) / 1000;
+      this.#time += passed;
+      if (this.hasAttribute('auto-rotate') && !this.#turnedByHand) this.#azimuth += ROTATION_PER_S * passed;
+    }
     this.#last = moving ? now : 0;
     this.#stale = false;
     try {
@@ -323,6 +328,7 @@ export class DoppelAvatarElement extends (globalThis.HTMLElement ?? class {}) {
   }
 
   #turn(azimuth, elevation) {
+    this.#turnedByHand = true;
     this.#azimuth += azimuth;
     this.#elevation = Math.min(HIGHEST, Math.max(-HIGHEST, this.#elevation + elevation));
     this.redraw();

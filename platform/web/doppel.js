@@ -210,6 +210,11 @@ export class Doppel {
     });
     /** {name, duration} of each clip; duration in seconds. */
     this.clips = Array.from({ length: clips }, (_, i) => this.#clip(i));
+    /** {name, role, triangleCount} of each layer; role: 'body', 'garment' or 'hair'. */
+    this.layers = Array.from({ length: this.#call('webLayerCount', this.#avatar) }, (_, i) => ({
+      name: this.#text(this.#call('webLayerText', this.#avatar, i, 0)), role: this.#text(this.#call('webLayerText', this.#avatar, i, 1)),
+      triangleCount: this.#call('webLayerTriangles', this.#avatar, i),
+    }));
   }
 
   #clip(i) {
@@ -271,6 +276,14 @@ export class Doppel {
     this.#alive();
     if (worldFromAvatar) new Float32Array(this.#memory.buffer, this.#scratch, 12).set(worldFromAvatar);
     this.#check(this.#call('dplSetTransform', this.#avatar, worldFromAvatar ? this.#scratch : 0));
+  }
+
+  /** Hides a layer, or shows it again. layer: its number or its name. Most layers of a scan cannot be hidden; the error says why. */
+  hideLayer(layer, hidden = true) {
+    const index = typeof layer === 'string' ? this.layers.findIndex(l => l.name === layer) : layer;
+    const names = this.layers.map(l => l.name).join(', ') || 'none';
+    if (index < 0) throw new DoppelError(`there is no layer '${layer}'; there are: ${names}`, RESULTS[2]);
+    this.#check(this.#call('dplHideLayer', this.#avatar, index, hidden ? 1 : 0));
   }
 
   /** Draws fewer splats where they are not seen (splatsPerPixel; 12 is usual) and never more than splatBudget. 0: no limit. */

@@ -8,6 +8,7 @@
 #include <doppel/doppel.h>
 #include <doppel/doppel_convert.h>
 #include <doppel/doppel_splats.h>
+#include <doppel/doppel_surface.h>
 
 #define EXPORT(name) extern "C" __attribute__((export_name(#name), used)) auto name
 
@@ -149,4 +150,22 @@ EXPORT(webLookAt)(const float* vectors, float fovYRad, uint32_t widthPx, uint32_
     numbers[2] = camera.fx, numbers[3] = camera.fy, numbers[4] = camera.cx, numbers[5] = camera.cy;
     for (int i = 0; i < 12; ++i) numbers[6 + i] = camera.viewFromWorld[i];
     return DPL_OK;
+}
+
+EXPORT(webLayerCount)(DplAvatar avatar)->uint32_t {
+    DplAvatarInfo info{};
+    info.structSize = sizeof info;
+    return dplGetAvatarInfo(avatar, &info) == DPL_OK ? info.layerCount : 0;
+}
+/** part: 0 name, 1 role. */
+EXPORT(webLayerText)(DplAvatar avatar, uint32_t layer, int part)->const char* {
+    DplLayerInfo info{};
+    info.structSize = sizeof info;
+    if (dplGetLayerInfo(avatar, layer, &info) != DPL_OK) return "";
+    return part ? info.role : info.name;
+}
+EXPORT(webLayerTriangles)(DplAvatar avatar, uint32_t layer)->uint32_t {
+    DplLayerInfo info{};
+    info.structSize = sizeof info;
+    return dplGetLayerInfo(avatar, layer, &info) == DPL_OK ? info.triangleCount : 0;
 }

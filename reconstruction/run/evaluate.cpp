@@ -9,6 +9,7 @@
 #include "reconstruction/output/package/avatar_bytes.h"
 #include "reconstruction/run/film_memory.h"
 #include "reconstruction/run/frame_scores.h"
+#include "reconstruction/run/live_person.h"
 #include "reconstruction/run/portrait.h"
 #include "reconstruction/run/run_scan.h"
 
@@ -101,6 +102,7 @@ Result<std::string> evaluateAvatar(const EvaluateOptions& options, Progress& pro
     if (options.out.empty()) return summary;
     data.evidence = avatar.evidence;
     DPL_TRY(data.portrait, drawPortrait(table.scan, cameras, poses, avatar, view, jobs));
+    DPL_RETURN_IF_ERROR(bringToLife(options.web, bytes, avatar, data));
     DPL_RETURN_IF_ERROR(writeReport(data, options.out));
     return summary + formatText("\nOpen {} to see the avatar beside these pictures.", (options.out / "report.html").string());
 }

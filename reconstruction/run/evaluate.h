@@ -14,6 +14,7 @@ struct EvaluateOptions {
     std::filesystem::path scan, avatar;
     std::filesystem::path poses;  // poses.json of the reconstruction; empty: beside the avatar
     std::filesystem::path out;    // folder for report.html and report.json; empty: none
+    std::filesystem::path web;    // as ReconstructOptions::web, for the report in `out`
     std::filesystem::path lpips;  // weights for LPIPS by a published protocol (docs/reference/neuman.md); empty: none
     bool ladder = false;          // replace stages by the truth in turn
     uint32_t threadCount = 0;     // 0: one a core; results do not depend on it

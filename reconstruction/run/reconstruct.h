@@ -43,8 +43,9 @@ struct ReconstructOptions {
     uint32_t steps = 0;            // of training; 0: the preset's number; above 0: the time budget is ignored
     uint64_t seed = 1;
     WithoutParts without;
-    double checkpointS = 30;   // a kill loses about this much training at most; a checkpoint is written every 100 steps at most
-    uint32_t threadCount = 0;  // 0: one a core; results do not depend on it
+    std::filesystem::path web;  // folder of the web module, with which the person of the report moves; empty: the picture stands still
+    double checkpointS = 30;    // a kill loses about this much training at most; a checkpoint is written every 100 steps at most
+    uint32_t threadCount = 0;   // 0: one a core; results do not depend on it
 };
 
 struct ReconstructResult {

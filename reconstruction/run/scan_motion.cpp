@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "reconstruction/output/package/clip_of_poses.h"
+
 namespace dpl {
 
 std::vector<ClipData> scanMotion(const Scan& scan, std::span<const size_t> frames, std::span<const Pose> poses) {
@@ -15,25 +17,13 @@ std::vector<ClipData> scanMotion(const Scan& scan, std::span<const size_t> frame
     std::sort(order.begin(), order.end());
     order.erase(std::unique(order.begin(), order.end(), [](const auto& a, const auto& b) { return a.first == b.first; }), order.end());
     if (order.size() < 2) return {};
-    ClipData clip;
-    clip.name = "scan-motion";
-    clip.channels.resize(poses.front().localRotations.size());
-    for (size_t j = 0; j < clip.channels.size(); ++j) clip.channels[j].joint = uint32_t(j);
+    std::vector<float> timesS;
+    std::vector<Pose> moments;
     for (const auto& [time, i] : order) {
-        clip.timesS.push_back(float(time - order.front().first));
-        clip.rootTranslations.push_back(poses[i].rootTranslation);
-        for (size_t j = 0; j < clip.channels.size(); ++j) {
-            Quatf q = glm::normalize(poses[i].localRotations[j]);
-            auto& keys = clip.channels[j].rotations;
-            if (!keys.empty() && glm::dot(keys.back(), q) < 0) q = -q;
-            keys.push_back(q);
-        }
+        timesS.push_back(float(time - order.front().first));
+        moments.push_back(poses[i]);
     }
-    std::erase_if(clip.channels, [](const ClipChannel& channel) {
-        return std::all_of(channel.rotations.begin(), channel.rotations.end(),
-                           [](const Quatf& q) { return glm::length(Vec3f(q.x, q.y, q.z)) < 1e-6f; });
-    });
-    return {clip};
+    return {clipOfPoses("scan-motion", std::move(timesS), moments)};
 }
 
 }  // namespace dpl

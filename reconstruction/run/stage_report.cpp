@@ -13,8 +13,10 @@
 #include "reconstruction/run/detail_figures.h"
 #include "reconstruction/run/film_memory.h"
 #include "reconstruction/run/frame_scores.h"
+#include "reconstruction/run/live_person.h"
 #include "reconstruction/run/portrait.h"
 #include "reconstruction/run/report_pictures.h"
+#include "reconstruction/run/run_request.h"
 #include "reconstruction/run/scale_figures.h"
 #include "reconstruction/run/settings_json.h"
 #include "reconstruction/run/stage_body_fit.h"
@@ -210,6 +212,8 @@ Status StageOf<ReportFiles>::inputs(StageInputs& in) {
     in.value("labels", scoredLabels(*table));
     in.value("verdict", table->verdict + table->validation);
     in.value("measuring", measuringFiles(table->scan.root));
+    DPL_TRY(const RunRequest* request, in.part<RunRequest>());
+    in.value("web", livePageKey(request->options.web));
     DPL_RETURN_IF_ERROR(in.use<MappedBody>());
     return in.use<FoundPoses>();
 }
@@ -223,6 +227,7 @@ Status StageOf<ReportFiles>::make(StageInputs& in, StageContext& context) {
     DPL_TRY(const MappedBody* mapped, in.of<MappedBody>());
     DPL_TRY(const Package* package, in.of<Package>());
     DPL_TRY(const FoundPoses* read, in.of<FoundPoses>());
+    DPL_TRY(const RunRequest* request, in.of<RunRequest>());
     const RunSettings& settings = after->settings;
     DPL_TRY(AvatarData avatar, readAvatar(package->bytes));
     PosesFile found = read->poses;
@@ -245,6 +250,7 @@ Status StageOf<ReportFiles>::make(StageInputs& in, StageContext& context) {
     data.length = {training->steps, settingsOf({}).training.steps};
     DPL_TRY(auto view, AvatarView::open(package->bytes, in.jobs().threadCount()));
     DPL_TRY(data.portrait, drawPortrait(table->scan, metric->cameras, found, avatar, view, in.jobs()));
+    DPL_RETURN_IF_ERROR(bringToLife(request->options.web, package->bytes, avatar, data));
     const FilmedAvatar filmed{*table, metric->cameras, found, avatar};
     DPL_TRY(data.filmAgain.cards, drawAdvice(filmed, view, shotsOf(*mapped)));
     DPL_TRY(data.clips, drawClips(filmed, view));

@@ -28,7 +28,7 @@ WINGS = {
     "input": ["cameras", "capture", "observe", "import"],
     "subject": ["shape", "body", "surface", "registration", "garments", "sample"],
     "training": ["correctives", "trainer"],
-    "output": ["package", "dress"],
+    "output": ["package", "dress", "page"],
     "judging": ["coach", "report", "evidence", "ladder"],
     "run": [],
 }

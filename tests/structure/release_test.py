@@ -26,7 +26,7 @@ class Release(unittest.TestCase):
         folder = tempfile.TemporaryDirectory()
         self.addCleanup(folder.cleanup)
         self.folder = pathlib.Path(folder.name)
-        for name in ("doppel-tools_1.0.0~rc.1-1~deb12_amd64.deb", "sample-built-in.glb"):
+        for name in ("doppel-tools_1.0.0~rc.1-1~deb12_amd64.deb", "doppel-web-1.tgz", "sample-built-in.glb"):
             (self.folder / name).write_text(name)
         with tarfile.open(self.folder / "doppel-1-linux-x86_64.tar.gz", "w:gz") as tar:
             text = b"CONTAINS libtbb12 2021.8.0-2 Apache-2.0\n"
@@ -54,6 +54,7 @@ class Release(unittest.TestCase):
             self.assertIn(relation["relatedSpdxElement"], identities)
         inside = {(r["spdxElementId"], r["relationshipType"], r["relatedSpdxElement"]) for r in bill["relationships"]}
         self.assertIn(("SPDXRef-doppel-1-linux-x86-64.tar.gz", "CONTAINS", "SPDXRef-libtbb12-2021.8.0-2"), inside)
+        self.assertIn(("SPDXRef-doppel-web-1.tgz", "STATIC_LINK", "SPDXRef-wasi-libc-1"), inside)
         self.assertIn(("SPDXRef-doppel-tools-1.0.0-rc.1-1-deb12-amd64.deb", "STATIC_LINK", "SPDXRef-libceres-dev-1"), inside)
 
     def test_same_files_give_the_same_bytes(self):

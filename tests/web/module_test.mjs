@@ -133,6 +133,16 @@ test('wrong calls are errors, and the person lives', async () => {
   person.draw(camera);
 });
 
+test('tells of layers, and says why one cannot be hidden', async () => {
+  const person = await load();
+  assert.equal(person.layers[0].role, 'body');
+  assert.equal(person.layers.reduce((sum, layer) => sum + layer.triangleCount, 0), person.triangleCount);
+  await fails(() => person.hideLayer(0), 'DPL_ERROR_UNSUPPORTED', /body/);
+  await fails(() => person.hideLayer('<b>hat'), 'DPL_ERROR_NOT_FOUND', /there are: body/);
+  await fails(() => person.hideLayer(99), 'DPL_ERROR_NOT_FOUND', /./);
+  person.hideLayer(person.layers.length - 1, false);
+});
+
 test('memory that is refused is an error of that person alone', async () => {
   await fails(() => load(glb, { memoryLimit: 6 << 20 }), 'DPL_ERROR_OUT_OF_MEMORY', /memory/);
   const person = await load();

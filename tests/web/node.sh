@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 # The module in Node: its tests, and the conformance kit against this machine's CPU renderer.
 #   node.sh MODULE REFEREE DOPPEL CONFORMANCE WORK
+# Then the npm package, imported by its name, and the parts of pages that hold a person in themselves.
 # The last four: the programs web_referee, doppel and conformance, and a folder. Exit code 77: there is no module, or no Node.
 set -euo pipefail
 module="$1" referee="$2" doppel="$3" conformance="$4" work="$5"
@@ -14,6 +15,9 @@ mkdir -p "$work/referee"
     "import { SHOTS, line } from 'file://$here/shots.mjs'; for (const shot of SHOTS) console.log(line(shot, shot.name + '.rgba'))" |
     "$referee" "$work/person.glb")
 WEB_MODULE="$module" WEB_PERSON="$work/person.glb" WEB_REFEREE="$work/referee" node --test "$here/module_test.mjs"
+WEB_MODULE="$module" node --test "$here/page_parts_test.mjs"
+python3 "$here/../../tools/packaging/npm.py" "$(dirname "$module")" "$work/npm" "$("$doppel" --version | cut -d' ' -f2)" 0
+"$here/package.sh" "$work"/npm/doppel-web-*.tgz "$work/person.glb" "$work/package"
 "$conformance" write "$work/kit"
 "$conformance" draw "$work/kit" "$work/library" --renderer software
 node "$here/draw_kit.mjs" "$module" "$work/kit" "$work/module"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Pictures of the sample person that the module, WebGL2 and the referee (referee.cpp) all draw, and how they are compared.
+// Pictures of the sample person that the module and the referee (referee.cpp) both draw, and how they are compared.
 export const SHOTS = [
   { name: 'rest', clip: -1, time: 0, eye: [0, 1, 3.2], target: [0, 0.9, 0], fovY: 0.7, width: 240, height: 400 },
   { name: 'walk', clip: 0, time: 0.4, eye: [1.4, 1.2, 2.6], target: [0, 0.9, 0], fovY: 0.7, width: 320, height: 480 },

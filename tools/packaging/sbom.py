@@ -38,7 +38,7 @@ def inside(file):
     """What is compiled into a released file, or lies in it: (relation, name, version, licence)."""
     if file.name in COMMENTS:
         return []
-    what = file.name.split("_")[0] if file.suffix == ".deb" else "windows" if file.suffix == ".zip" else "linux"
+    what = file.name.split("_")[0] if file.suffix == ".deb" else {".zip": "windows", ".tgz": "web"}.get(file.suffix, "linux")
     found = [("STATIC_LINK", name, notices.version_of(name), licence) for name, licence in sorted(notices.COMPILED_IN[what].items())]
     if what == "linux":
         found += [tuple(line.split(" ", 3)) for line in bundled(file)]

@@ -5,21 +5,24 @@
 #include <cmath>
 #include <numbers>
 
+#include "reconstruction/output/package/clip_of_poses.h"
+
 namespace dpl {
 namespace {
 
 constexpr double kTurn = 2 * std::numbers::pi;
 constexpr LimbAim kHangingArm = armAim(0, 14);
 
-/** A leg of a walker and the arm of its side. phase: radians of the stride; at 0 the leg swings past the other one. */
-std::vector<LimbAim> strideSide(double phase) {
-    const float thigh = float(6 + 26 * std::sin(phase)), bend = float(8 + 46 * std::max(0.0, std::cos(phase + 0.4)));
-    const float arm = float(-22 * std::sin(phase));
+/** A leg of a walker and the arm of its side. phase: radians of the stride; at 0 the leg swings past the other one. reach: 1 for long
+ *  steps, less for shorter ones. */
+std::vector<LimbAim> strideSide(double phase, double reach) {
+    const float thigh = float(6 + 26 * reach * std::sin(phase)), bend = float(8 + 46 * reach * std::max(0.0, std::cos(phase + 0.4)));
+    const float arm = float(-22 * reach * std::sin(phase));
     return {thighAim(thigh, 3), shankAim(thigh - bend), armAim(arm, 10), forearmAim(arm + 20, 8)};
 }
 
-AimedPose stride(double phase) {
-    return {strideSide(phase), strideSide(phase + kTurn / 2), Vec3f(0, float(-7 * std::sin(phase)), 0)};
+AimedPose stride(double phase, double reach = 1) {
+    return {strideSide(phase, reach), strideSide(phase + kTurn / 2, reach), Vec3f(0, float(-7 * reach * std::sin(phase)), 0)};
 }
 
 /** depth: 0 standing, 1 thighs level. */
@@ -81,6 +84,29 @@ std::vector<MoveClip> moveClips(std::span<const JointData> joints) {
             floor.stand(pose);
             clips[c].poses.push_back(std::move(pose));
         }
+    return clips;
+}
+
+std::vector<ClipData> walkClips(std::span<const JointData> joints) {
+    const PoseAimer aimer(joints);
+    if (!aimer.known()) return {};
+    struct Walk {
+        const char* name;
+        double seconds, reach;
+    };
+    constexpr size_t kKeys = 16;
+    Floor floor(joints);
+    std::vector<ClipData> clips;
+    for (const Walk& walk : {Walk{"walk", 1.2, 1}, Walk{"stroll", 1.6, 0.6}}) {
+        std::vector<float> timesS;
+        std::vector<Pose> poses;
+        for (size_t i = 0; i <= kKeys; ++i) {
+            timesS.push_back(float(walk.seconds * double(i) / kKeys));
+            poses.push_back(aimer.pose(stride(kTurn * double(i % kKeys) / kKeys, walk.reach)));
+            floor.stand(poses.back());
+        }
+        clips.push_back(clipOfPoses(walk.name, std::move(timesS), poses));
+    }
     return clips;
 }
 

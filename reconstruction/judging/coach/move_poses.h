@@ -20,6 +20,10 @@ struct MoveClip {
  *  two upper legs. */
 std::vector<MoveClip> moveClips(std::span<const JointData> joints);
 
+/** Two walks on the spot as clips of the rig, which end where they begin: "walk", 1.2 s, and "stroll", 1.6 s, with shorter steps. Empty as
+ *  moveClips(). */
+std::vector<ClipData> walkClips(std::span<const JointData> joints);
+
 /** A pose in the middle of the first move of the guide to filming that the sentence names (missingMoves() in moves.h); standing where it
  *  names none. */
 Pose poseOfMove(std::span<const JointData> joints, std::string_view sentence);

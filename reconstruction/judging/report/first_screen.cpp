@@ -6,6 +6,7 @@
 
 #include "reconstruction/judging/report/html_parts.h"
 #include "reconstruction/judging/report/plain_words.h"
+#include "reconstruction/output/page/live_page.h"
 
 namespace dpl {
 namespace {
@@ -40,9 +41,12 @@ std::string cardText(const std::string& sentence) {
 
 void addTop(std::string& html, const ReportData& data) {
     html += "<header class=top>";
-    if (!data.portrait.png.empty())
-        html += "<figure>" + pngImage(data.portrait.png, "the avatar, drawn as the camera of " + data.portrait.frame + " saw the person") +
-                "</figure>";
+    if (!data.portrait.png.empty()) {
+        const std::string still =
+            pngImage(data.portrait.png, "the avatar, drawn as the camera of " + data.portrait.frame + " saw the person");
+        const std::string why = data.whyStill.empty() ? "" : "<figcaption class=soft>" + escapeHtml(data.whyStill) + "</figcaption>";
+        html += data.live ? liveFigure(still) : "<figure>" + still + why + "</figure>";
+    }
     const Worth worth = worthOf(data);
     html += "<div><h1>" + escapeHtml(data.title) + "</h1><p class=\"word " + classOf(worth) + "\">" + wordOf(worth) +
             "</p><p class=verdict>" + escapeHtml(verdictSentence(data)) + "</p>";

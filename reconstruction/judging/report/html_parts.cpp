@@ -3,8 +3,6 @@
 
 #include <cstdio>
 
-#include "reconstruction/judging/report/svg_plot.h"
-
 namespace dpl {
 
 const char* const kPageStyle = R"(
@@ -42,22 +40,6 @@ border:1px solid var(--accent);color:var(--accent);text-decoration:none}.button.
 )";
 
 namespace {
-
-std::string base64(std::span<const uint8_t> bytes) {
-    static constexpr char kAlphabet[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-    std::string out;
-    out.reserve((bytes.size() + 2) / 3 * 4);
-    for (size_t i = 0; i < bytes.size(); i += 3) {
-        uint32_t word = uint32_t(bytes[i]) << 16;
-        if (i + 1 < bytes.size()) word |= uint32_t(bytes[i + 1]) << 8;
-        if (i + 2 < bytes.size()) word |= bytes[i + 2];
-        out += kAlphabet[word >> 18];
-        out += kAlphabet[word >> 12 & 63];
-        out += i + 1 < bytes.size() ? kAlphabet[word >> 6 & 63] : '=';
-        out += i + 2 < bytes.size() ? kAlphabet[word & 63] : '=';
-    }
-    return out;
-}
 
 std::string image(const std::vector<uint8_t>& bytes, const char* type, const std::string& what, const std::string& style) {
     if (bytes.empty()) return {};

@@ -7,6 +7,8 @@
 #include <string>
 #include <vector>
 
+#include "reconstruction/output/page/html_text.h"
+
 namespace dpl {
 
 /** How every table of the page begins and ends: in a box of its own, which scrolls where the screen is narrower than the table. */

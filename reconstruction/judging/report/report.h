@@ -10,6 +10,7 @@
 #include "reconstruction/input/capture/scan.h"
 #include "reconstruction/judging/report/ladder_table.h"
 #include "reconstruction/judging/report/svg_plot.h"
+#include "reconstruction/output/page/web_module.h"
 #include "sdk/core/result.h"
 #include "sdk/format/avatar_data.h"
 
@@ -106,10 +107,18 @@ struct TrainingLength {
     uint32_t standardSteps = 0;  // of the preset standard
 };
 
+/** What lets the person of the portrait move in the page. */
+struct LivePerson {
+    WebModule module;
+    std::vector<uint8_t> avatar;  // the bytes of a .glb
+};
+
 struct ReportData {
     std::string title;
     std::string avatarFile;  // name of the file beside report.html, for its links; empty: none
     Portrait portrait;
+    std::optional<LivePerson> live;
+    std::string whyStill;  // a sentence below a portrait that stays a picture; may be empty
     TrainingLength length;
     FilmAgainSection filmAgain;
     std::vector<ReportClip> clips;

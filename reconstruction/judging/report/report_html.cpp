@@ -2,10 +2,12 @@
 #include <algorithm>
 #include <cmath>
 
+#include "reconstruction/judging/report/compare.h"
 #include "reconstruction/judging/report/first_screen.h"
 #include "reconstruction/judging/report/html_parts.h"
 #include "reconstruction/judging/report/plain_words.h"
 #include "reconstruction/judging/report/report.h"
+#include "reconstruction/output/page/live_page.h"
 
 namespace dpl {
 namespace {
@@ -62,7 +64,7 @@ void addPictures(std::string& html, const ReportData& data) {
     html +=
         "<h2>The avatar beside its pictures</h2><p class=soft>Left the picture, right the avatar. It was not made from these pictures; "
         "only "
-        "its pose was fitted to each.</p><div class=pictures>";
+        "its pose was fitted to each.</p><div class=\"pictures pairs\">";
     for (const HeldOutFrame& frame : data.frames)
         if (!frame.renderPng.empty())
             html += "<figure>" + pngImage(frame.truthPng, "picture") + pngImage(frame.renderPng, "avatar") + "</figure>";
@@ -73,7 +75,7 @@ void addDifferences(std::string& html, const ReportData& data) {
     if (!hasPictures(data)) return;
     html +=
         "<h2>What differs from the pictures</h2><p class=soft>Four times as strong, in the order of the pictures above.</p>"
-        "<div class=pictures>";
+        "<div class=\"pictures differences\">";
     for (const HeldOutFrame& frame : data.frames) {
         if (frame.renderPng.empty()) continue;
         html += "<figure>" + pngImage(frame.differencePng, "difference") + "<figcaption>" + escapeHtml(frame.name) + " <span class=soft>" +
@@ -178,9 +180,9 @@ void addDetails(std::string& html, const ReportData& data) {
     html += "</details>";
 }
 
-std::string pageHead(const std::string& title) {
+std::string pageHead(const std::string& title, const std::string& moreStyle = {}) {
     return "<!doctype html><html lang=en><meta charset=utf-8><meta name=viewport content=\"width=device-width,initial-scale=1\"><title>" +
-           escapeHtml(title) + "</title><style>" + kPageStyle + "</style>";
+           escapeHtml(title) + "</title><style>" + kPageStyle + moreStyle + "</style>";
 }
 
 }  // namespace
@@ -195,7 +197,8 @@ std::string unfinishedHtml(const std::string& title, const FilmAgainSection& fil
 }
 
 std::string reportHtml(const ReportData& data) {
-    std::string html = pageHead(data.title);
+    const bool alive = data.live && !data.portrait.png.empty();
+    std::string html = pageHead(data.title, kCompareStyle + (alive ? data.live->module.style : ""));
     addTop(html, data);
     addAdvice(html, data.filmAgain);
     addClips(html, data.clips);
@@ -205,6 +208,8 @@ std::string reportHtml(const ReportData& data) {
         html += bulletList(parts);
     }
     addDetails(html, data);
+    if (hasPictures(data)) html += std::string("<script>") + kCompareScript + "</script>";
+    if (alive) html += liveParts(data.live->module, data.live->avatar);
     return html + "</html>\n";
 }
 

@@ -6,6 +6,9 @@
 #include <cmath>
 #include <cstdio>
 #include <limits>
+#include <string_view>
+
+#include "reconstruction/output/page/html_text.h"
 
 namespace dpl {
 namespace {
@@ -70,29 +73,6 @@ std::string element(const char* format, double a, double b, double c, double d) 
 }
 
 }  // namespace
-
-std::string escapeHtml(std::string_view text) {
-    std::string out;
-    for (char c : text) {
-        switch (c) {
-            case '&':
-                out += "&amp;";
-                break;
-            case '<':
-                out += "&lt;";
-                break;
-            case '>':
-                out += "&gt;";
-                break;
-            case '"':
-                out += "&quot;";
-                break;
-            default:
-                out += c;
-        }
-    }
-    return out;
-}
 
 std::string svgPlot(const std::vector<PlotSeries>& series, const PlotOptions& options) {
     const auto scaled = [](double v, bool log) { return log ? (v > 0 ? std::log10(v) : std::nan("")) : v; };

@@ -3,7 +3,6 @@
 #pragma once
 
 #include <string>
-#include <string_view>
 #include <vector>
 
 namespace dpl {
@@ -26,8 +25,5 @@ std::string svgPlot(const std::vector<PlotSeries>& series, const PlotOptions& op
 
 /** Makes a standalone SVG file of a plot, with the colours and fonts of the report's page. */
 std::string svgFile(const std::string& plot);
-
-/** Escapes &, <, >, " for HTML text and attributes. */
-std::string escapeHtml(std::string_view text);
 
 }  // namespace dpl

@@ -2,10 +2,12 @@
 // The coach's list of missing moves, on poses of the built-in skeleton that show each move.
 #include "reconstruction/judging/coach/moves.h"
 
+#include <array>
 #include <map>
 
 #include <gtest/gtest.h>
 
+#include "reconstruction/judging/coach/move_poses.h"
 #include "reconstruction/subject/sample/subject.h"
 #include "sdk/avatar/humanoid.h"
 
@@ -45,6 +47,25 @@ protected:
     static std::vector<JointData> joints_;
 };
 std::vector<JointData> Moves::joints_;
+
+TEST_F(Moves, twoWalksEndWhereTheyBeginAndStandOnTheFloor) {
+    const std::vector<ClipData> walks = walkClips(joints_);
+    ASSERT_EQ(walks.size(), 2u);
+    EXPECT_EQ(walks[0].name, "walk");
+    EXPECT_EQ(walks[1].name, "stroll");
+    std::array<float, 2> most{};
+    for (size_t w = 0; w < walks.size(); ++w) {
+        ASSERT_FALSE(walks[w].channels.empty());
+        for (const ClipChannel& channel : walks[w].channels) {
+            ASSERT_EQ(channel.rotations.size(), walks[w].timesS.size());
+            EXPECT_GT(std::abs(glm::dot(channel.rotations.front(), channel.rotations.back())), 0.999999f);
+            for (const Quatf& q : channel.rotations) most[w] = std::max(most[w], glm::angle(q));
+        }
+        EXPECT_NEAR(walks[w].rootTranslations.front().y, walks[w].rootTranslations.back().y, 1e-6);
+    }
+    EXPECT_LT(most[1], most[0]) << "a stroll has shorter steps";
+    EXPECT_TRUE(walkClips(std::vector<JointData>(2)).empty()) << "a rig without legs";
+}
 
 TEST_F(Moves, aFilmOfAllMovesLacksNone) {
     EXPECT_TRUE(missingMoves(joints_, film("")).empty()) << movesToFilm(joints_, film(""))->sentence;

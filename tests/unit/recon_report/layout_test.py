@@ -91,7 +91,7 @@ def main():
         if sys.argv[1].endswith(".html"):
             pages = [pathlib.Path(name) for name in sys.argv[1:]]
         else:
-            pages = [folder / f"{which}.html" for which in ("tall", "wide", "bare")]
+            pages = [folder / f"{which}.html" for which in ("tall", "wide", "bare", "live")]
             for page in pages:
                 subprocess.run([sys.argv[1], page.stem, page], check=True)
         for page in pages:

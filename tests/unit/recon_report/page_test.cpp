@@ -201,6 +201,32 @@ TEST(ReportPage, clipsShowEachPictureForItsShareOfTheRound) {
     EXPECT_EQ(pageOf(bareReport()).find("In motion"), std::string::npos);
 }
 
+TEST(ReportPage, thePersonMovesWhereThereIsAModuleAndThePictureStaysWhereNot) {
+    ReportData data = fullReport();
+    EXPECT_EQ(pageOf(data).find("dpl-avatar"), std::string::npos);
+    data.whyStill = "No <module>.";
+    EXPECT_NE(pageOf(data).find("<figcaption class=soft>No &lt;module&gt;.</figcaption>"), std::string::npos);
+    data.whyStill.clear();
+    data.live = someLife();
+    const std::string page = reportHtml(data);
+    const size_t person = page.find("<figure id=person><div class=stage><img alt=\"the avatar, drawn as");
+    ASSERT_NE(person, std::string::npos) << "the still picture is what the page holds";
+    EXPECT_LT(person, page.find("<h1>"));
+    EXPECT_NE(page.find("id=dpl-avatar>AQID</script>"), std::string::npos);
+    EXPECT_GT(page.find("id=dpl-avatar>"), page.find("<details class=engineers>")) << "the first screen does not wait for it";
+    EXPECT_NE(page.find("<script type=module>\nconsole.log('alive');</script>"), std::string::npos);
+    data.portrait = {};
+    EXPECT_EQ(reportHtml(data).find("dpl-avatar"), std::string::npos) << "nothing to bring to life";
+}
+
+TEST(ReportPage, aSliderComparesThePicturesThatThePageHoldsAnyway) {
+    const std::string page = pageOf(fullReport());
+    EXPECT_EQ(countOf(page, "<div class=\"pictures pairs\">"), 1u);
+    EXPECT_EQ(countOf(page, "<div class=\"pictures differences\">"), 1u);
+    EXPECT_NE(page.find("type: 'range'"), std::string::npos);
+    EXPECT_EQ(pageOf(bareReport()).find("type: 'range'"), std::string::npos) << "nothing to compare";
+}
+
 // What layout_test.py measures in a browser, as far as the text shows it.
 TEST(ReportPage, nothingCanBeWiderThanTheScreen) {
     const std::string page = pageOf(fullReport());

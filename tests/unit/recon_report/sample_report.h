@@ -83,4 +83,13 @@ inline ReportData bareReport() {
     return data;
 }
 
+/** A module and an avatar that nobody runs, for the text and the layout of a living page. */
+inline LivePerson someLife() {
+    return {{{93, 0, 0, 1, 0},
+             "console.log('alive');",
+             "#person{margin:0}#person .stage{position:relative;height:40vh;aspect-ratio:3/4}#person .stage "
+             "img{width:100%;height:100%;object-fit:contain}"},
+            {1, 2, 3}};
+}
+
 }  // namespace dpl::test

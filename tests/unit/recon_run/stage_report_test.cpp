@@ -8,6 +8,7 @@
 #include "reconstruction/run/stage_pose_fit.h"
 #include "reconstruction/run/stage_report.h"
 #include "reconstruction/subject/body/body_truth.h"
+#include "tests/unit/recon_page/module_folder.h"
 #include "tests/unit/recon_run/toy_reconstruction.h"
 
 namespace dpl::test {
@@ -33,6 +34,7 @@ protected:
         toy_.giveTrained(run);
         run.put(mapped_, "map");
         run.put(found_, posesKey_);
+        run.put(request_, "request");
         const auto files = run.get<ReportFiles>();
         if (!files) throw std::runtime_error(files.error().message);
         folder_ = (*files)->folder;
@@ -55,6 +57,7 @@ protected:
     }
 
     ToyReconstruction toy_;
+    RunRequest request_;
     FoundPoses found_;
     std::string posesKey_ = "poses";
     MappedBody mapped_{"What to film again, the most helpful first:\n  1. Film the face\n",
@@ -169,6 +172,18 @@ TEST_F(StageReport, comparesWithTheTruthAndSaysWhoseBodyItIs) {
     const nlohmann::json other = report();
     ASSERT_EQ(other["provenance"].size(), 1u);
     EXPECT_TRUE(other["provenance"][0].get<std::string>().starts_with("Not of the development set, by its name."));
+}
+
+TEST_F(StageReport, thePersonMovesOnceThereIsAModule) {
+    const ModuleFolder module;
+    module.remove("live-bundle.js");
+    request_.options.web = module.path;
+    report();
+    EXPECT_EQ(text("report.html").find("dpl-avatar"), std::string::npos);
+    EXPECT_NE(text("report.html").find("found no web module"), std::string::npos);
+    module.write("live-bundle.js", "console.log('alive');");
+    report();
+    EXPECT_NE(text("report.html").find("id=dpl-avatar>"), std::string::npos) << "the stage runs again by itself";
 }
 
 }  // namespace

@@ -6,27 +6,19 @@
 #include <random>
 
 #include "tests/not_finite.h"
+#include "tests/unit/ball_mesh.h"
 
 namespace dpl::test {
 namespace {
 
-/** A ball of `rings` rings and 2·rings sectors about the origin, on joints that change around it. */
-MeshData ball(uint32_t rings, float radius = 1) {
-    MeshData m;
-    const uint32_t sectors = 2 * rings;
-    for (uint32_t i = 0; i <= rings; ++i)
-        for (uint32_t j = 0; j < sectors; ++j) {
-            const float a = float(M_PI) * float(i) / float(rings), b = 2 * float(M_PI) * float(j) / float(sectors);
-            m.restPositions.push_back(radius * Vec3f(std::sin(a) * std::cos(b), std::cos(a), std::sin(a) * std::sin(b)));
-            m.jointIndices.push_back(glm::u16vec4(j * 5 / sectors, 0, 0, 0));
-            m.jointWeights.push_back(glm::u8vec4(255, 0, 0, 0));
-        }
-    for (uint32_t i = 0; i < rings; ++i)
-        for (uint32_t j = 0; j < sectors; ++j) {
-            const uint32_t a = i * sectors + j, b = i * sectors + (j + 1) % sectors, c = a + sectors, d = b + sectors;
-            if (i > 0) m.triangles.push_back({a, b, c});
-            if (i + 1 < rings) m.triangles.push_back({b, d, c});
-        }
+/** A ball of radius 1 about the origin, on five joints around it. */
+MeshData ball(uint32_t rings) {
+    MeshData m = ballMesh(rings, 2 * rings, 1);
+    for (size_t v = 0; v < m.restPositions.size(); ++v) {
+        const float turn = std::atan2(m.restPositions[v].x, m.restPositions[v].z) / float(2 * M_PI) + 0.5f;
+        m.jointIndices[v] = glm::u16vec4(std::min(4, int(5 * turn)), 0, 0, 0);
+        m.jointWeights[v] = glm::u8vec4(255, 0, 0, 0);
+    }
     return m;
 }
 

@@ -10,10 +10,6 @@
 
 namespace dpl::test {
 
-struct ReferenceShadow {
-    std::vector<double> alpha;  // 0 to 1
-};
-
 /** Height above the plane where the line through p along `up` meets the triangle; nothing if it does not. */
 inline std::optional<double> heightAt(const Vec3d& a, const Vec3d& b, const Vec3d& c, const Vec3d& p, const Vec3d& up) {
     const Vec3d normal = glm::cross(b - a, c - a);
@@ -27,9 +23,9 @@ inline std::optional<double> heightAt(const Vec3d& a, const Vec3d& b, const Vec3
     return height;
 }
 
-/** place: where the picture lies. */
-inline ReferenceShadow referenceShadow(const std::vector<Vec3f>& positions, const std::vector<Triangle>& triangles, const Vec3d& up,
-                                       const ContactShadow& place) {
+/** Alpha from 0 to 1, row by row. place: where the picture lies. */
+inline std::vector<double> referenceShadow(const std::vector<Vec3f>& positions, const std::vector<Triangle>& triangles, const Vec3d& up,
+                                           const ContactShadow& place) {
     constexpr int n = 64, m = 4;
     constexpr double reach = 0.3, blur = 0.04;
     const double pixel = glm::length(place.across) / n;
@@ -64,7 +60,7 @@ inline ReferenceShadow referenceShadow(const std::vector<Vec3f>& positions, cons
             }
         }
     for (double& s : sums) s = std::min(1.0, s);
-    return {sums};
+    return sums;
 }
 
 }  // namespace dpl::test
