@@ -21,9 +21,8 @@ void addShareCommand(CLI::App& app, CommandRun& run) {
         "Examples:\n"
         "  doppel share ada -o ada.html\n"
         "  doppel share ada/avatar.glb -o page.html --name Ada --licence CC-BY-4.0\n"
-        "The page needs no network and no other file. It holds the avatar and nothing of its scan: no photographs, no name of the scan. "
-        "Who\n"
-        "gets it can take the avatar out of it. The person moves by the clips of the file and by two walks.\n"
+        "The page needs no network and no other file. It holds the avatar and nothing of its scan: no photographs, no name of the scan.\n"
+        "Who gets it can take the avatar out of it. The person moves by the clips of the file and by two walks.\n"
         "Needs the web module, which the package doppel-tools brings and tools/prove-web --build makes in the source tree.");
     command->callback([options, &run] {
         refuseInputAsOutput(options->out, {options->from});

@@ -78,6 +78,8 @@ void clipControls(ViewerState& state, ViewedSubject& subject) {
     float speed = float(state.playback.speed);
     if (ImGui::SliderFloat("##speed", &speed, -2, 2, "speed %.2f")) state.playback.speed = speed;
     if (ImGui::IsItemHovered()) ImGui::SetTooltip("Ctrl and click to type a number");
+    ImGui::SliderFloat("##stiffness", &subject.clothStiffness, 0, 10, "cloth stiffness %.1f", ImGuiSliderFlags_AlwaysClamp);
+    if (ImGui::IsItemHovered()) ImGui::SetTooltip("1: clothes move as learned; stiffer ones swing and lag less");
 }
 
 void jointList(ViewedSubject& subject) {

@@ -49,6 +49,7 @@ Status ViewedSubject::takeNewClip() {
 Status ViewedSubject::pose(double timeS) {
     if (auto set = avatar.setTransform(standing(upright, asideM)); !set) return fromSdk(set.error());
     if (!isAvatar()) return {};
+    if (auto set = avatar.setClothStiffness(clothStiffness); !set) return fromSdk(set.error());
     float root[3] = {};
     if (clip) {
         if (auto set = avatar.setPoseFromClip(*clip, timeInClip(timeS, clips[*clip].durationS)); !set) return fromSdk(set.error());

@@ -40,6 +40,7 @@ struct ViewedSubject {
     std::optional<uint32_t> clip;     // nothing: the rest pose
     std::vector<std::string> joints;  // names
     std::vector<Vec3f> byHandDeg;     // for each joint
+    float clothStiffness = 1;         // of dplSetClothStiffness
     double asideM = 0;                // along +X of the world
     Mat3d upright{1};                 // world from avatar space: a quarter turn
 

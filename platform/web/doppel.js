@@ -270,6 +270,9 @@ export class Doppel {
     return clip;
   }
 
+  /** How stiff the clothes are, until it is changed: 0 to 100, 1 as learned; stiffer ones swing and lag less. */
+  setClothStiffness(stiffness) { this.#check(this.#call('dplSetClothStiffness', this.#avatar, stiffness)); }
+
   /** Places the person in the world: 12 numbers, a 3×4 matrix row by row; null: where they were at first. */
   setTransform(worldFromAvatar) {
     if (worldFromAvatar && worldFromAvatar.length !== 12) throw wrong(`a transform of ${worldFromAvatar.length} numbers; 12 are needed`);

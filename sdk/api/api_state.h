@@ -67,6 +67,7 @@ struct Avatar {
     Vec3f restMin{0}, restMax{0};
     Pose pose, givenPose;                                          // givenPose: scratch of dplSetPose and dplSetPoseFromClips
     MotionClock clock;                                             // of `pose`
+    float clothStiffness = 1;                                      // of dplSetClothStiffness
     std::array<float, 12> worldFromAvatar = kStandsAtOrigin;       // as given
     Placement placement;                                           // the same
     uint32_t drawnViews = 0, drawnWidthPx = 0, drawnHeightPx = 0;  // of the last frame that belongs to this avatar; 0 views: none
@@ -88,6 +89,11 @@ struct Avatar {
     Avatar();
     ~Avatar();
 
+    /** `pose` with the stiffness of the clothes, which stays while poses come and go. */
+    const Pose& stiffPose() {
+        pose.clothStiffness = clothStiffness;
+        return pose;
+    }
     /** Replays a clip, which must stay where it is. Takes milliseconds, and needs no lock. */
     ClipMemory memoryOf(const ClipData& clip) const { return {clip, data->joints, data->correctives.motion}; }
     void addClip(const ClipData& clip, ClipMemory memory) { clips.push_back(&clip), clipMemories.push_back(std::move(memory)); }

@@ -190,6 +190,19 @@ DplResult dplSetMotionState(DplAvatar avatar, const uint8_t* state, size_t size)
     });
 }
 
+DplResult dplSetClothStiffness(DplAvatar avatar, float stiffness) {
+    return guarded("dplSetClothStiffness", [&]() -> Status {
+        if (!(stiffness >= 0 && stiffness <= kMostClothStiffness))
+            return fail(Code::InvalidArgument, "stiffness is {}; it must be from 0 to {}, and 1 is as learned", stiffness,
+                        kMostClothStiffness);
+        DPL_TRY(const auto found, avatarOf(avatar));
+        DPL_RETURN_IF_ERROR(checkPosable(*found));
+        std::lock_guard lock(found->context->mutex);
+        found->clothStiffness = stiffness;
+        return {};
+    });
+}
+
 DplResult dplGetPose(DplAvatar avatar, float* rotations, uint32_t jointCount, float* rootTranslation) {
     return guarded("dplGetPose", [&]() -> Status {
         DPL_TRY(const auto found, avatarOf(avatar));

@@ -20,7 +20,7 @@ Surface& dpl::api::surfaceOf(Avatar& avatar) {
 
 std::span<const Vec3f> dpl::api::verticesOf(Avatar& avatar) {
     const AvatarData& data = *avatar.data;
-    return surfaceOf(avatar).posed.in({data.joints, data.mesh, data.correctives, {}}, avatar.pose);
+    return surfaceOf(avatar).posed.in({data.joints, data.mesh, data.correctives, {}}, avatar.stiffPose());
 }
 
 namespace {

@@ -8,6 +8,10 @@
 
 namespace dpl {
 
+/** Of clothes: a factor of what they learned, 0 to this; 1: as learned. Beyond the reach of training by at most the other. */
+constexpr float kMostClothStiffness = 100;
+constexpr double kMostMotionOverReach = 1.3;
+
 using HeldInputs = std::array<double, kMaxMotionHolds*(1 + kMaxMotionJoints)>;
 using Turns = std::array<double, 6 * kMaxMotionJoints>;
 using LaggedTurns = std::array<double, kMaxMotionLags * 6 * kMaxMotionJoints>;

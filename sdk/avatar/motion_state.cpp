@@ -108,13 +108,15 @@ void motionFeatures(const MotionModeData& motion, const MotionState& state, std:
     for (size_t i = 0; i < motion.lagCount(); ++i) features[held + i] = state.lagged[i] - state.turns[i % motion.turnCount()];
 }
 
-void motionCoefficients(const MotionModeData& motion, const MotionState& state, std::span<float> coefficients) {
+void motionCoefficients(const MotionModeData& motion, const MotionState& state, std::span<float> coefficients, float stiffness) {
     Columns all{};
     columnsOf(motion, state, std::span(all).first(motion.columnCount()));
+    const double share = 2 / (1 + double(stiffness)), over = std::clamp(share, 1.0, kMostMotionOverReach);  // both exactly 1 at 1
+    for (double& k : all) k *= share;
     size_t column = 0;
     for (const MotionGroupData& group : motion.groups) {
         const double length = lengthOf(std::span(all).subspan(column, group.columnCount));
-        const double shorter = length > double(group.reach) ? double(group.reach) / length : 1.0;
+        const double reach = over * double(group.reach), shorter = length > reach ? reach / length : 1.0;
         for (size_t c = 0; c < group.columnCount; ++c, ++column) coefficients[column] = float(shorter * all[column]);
     }
 }

@@ -28,11 +28,12 @@ MotionMemory carryMotion(const MotionModeData& motion, const MotionState& state)
 /** What the modes of a state multiply: featureCount() numbers. */
 void motionFeatures(const MotionModeData& motion, const MotionState& state, std::span<double> features);
 
-/** The K' coefficients of a state, shortened to the reach of each group. coefficients: K' entries. */
-void motionCoefficients(const MotionModeData& motion, const MotionState& state, std::span<float> coefficients);
+/** The K' coefficients of a state, shortened to the reach of each group. coefficients: K' entries. stiffness: Pose::clothStiffness; they
+ * are multiplied by 2/(1 + stiffness), and softer clothes may go beyond the reach by kMostMotionOverReach. */
+void motionCoefficients(const MotionModeData& motion, const MotionState& state, std::span<float> coefficients, float stiffness = 1);
 
 /** Adds to `rotation` (J of the rig: ∂loss/∂ left turn of each joint) the gradient through the state of the pose. gCoefficients: K'
- *  entries, ∂loss/∂k'. At rest, where an input has reached its most, and where more is held, it is zero. */
+ *  entries, ∂loss/∂k'. At rest, where an input has reached its most, and where more is held, it is zero. Stiffness 1. */
 void addMotionGradient(const MotionModeData& motion, const Pose& pose, std::span<const double> gCoefficients, std::span<Vec3d> rotation);
 
 }  // namespace dpl

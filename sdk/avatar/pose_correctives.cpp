@@ -48,7 +48,8 @@ CorrectiveDistance correctiveCoefficients(const PoseCorrectiveData& c, const Pos
     if (distance.offModes > c.reachOffModes) keep *= c.reachOffModes / distance.offModes;
     if (keep < 1)
         for (float& k : coefficients) k *= keep;
-    if (!c.motion.empty()) motionCoefficients(c.motion, stateOf(c.motion, pose), std::span(coefficients).subspan(c.modeCount));
+    if (!c.motion.empty())
+        motionCoefficients(c.motion, stateOf(c.motion, pose), std::span(coefficients).subspan(c.modeCount), pose.clothStiffness);
     return distance;
 }
 

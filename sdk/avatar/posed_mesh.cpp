@@ -9,7 +9,7 @@ namespace dpl {
 
 bool samePose(const Pose& a, const Pose& b) {
     return a.localRotations.size() == b.localRotations.size() && a.rootTranslation == b.rootTranslation && a.before == b.before &&
-           std::equal(a.localRotations.begin(), a.localRotations.end(), b.localRotations.begin());
+           a.clothStiffness == b.clothStiffness && std::equal(a.localRotations.begin(), a.localRotations.end(), b.localRotations.begin());
 }
 
 void PosedMesh::control(const PosedSubject& s, const Pose& pose) {

@@ -14,13 +14,14 @@
 namespace dpl {
 
 /** A pose of a rig: one local rotation per joint (about its rest position, relative to its parent) and the translation of the root, metres.
- *  And what cloth still holds, at the time of this pose, of the poses before it; all 0 where no time is known. */
+ *  And what cloth still holds, at the time of this pose, of the poses before it; all 0 where no time is known. And how stiff it is. */
 struct Pose {
     std::vector<Quatf> localRotations;
     Vec3f rootTranslation{0};
     MotionMemory before{};
+    float clothStiffness = 1;  // 0 to kMostClothStiffness; 1: as learned
 
-    static Pose rest(size_t jointCount) { return {std::vector<Quatf>(jointCount, Quatf(1, 0, 0, 0)), Vec3f(0)}; }
+    static Pose rest(size_t jointCount) { return {std::vector<Quatf>(jointCount, Quatf(1, 0, 0, 0))}; }
 };
 
 /** World position of the root joint (joint 0, which must exist) in a pose. */

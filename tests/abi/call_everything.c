@@ -74,6 +74,9 @@ static void callPoses(DplAvatar avatar, uint32_t joints) {
     OK(dplSettle(avatar));
     OK(dplSetMotionState(avatar, state, stateSize));
     CHECK(dplSetMotionState(avatar, state, stateSize - 1) == DPL_ERROR_INVALID_ARGUMENT);
+    OK(dplSetClothStiffness(avatar, 3));
+    CHECK(dplSetClothStiffness(avatar, -1) == DPL_ERROR_INVALID_ARGUMENT);
+    OK(dplSetClothStiffness(avatar, 1));
     axes.structSize = sizeof axes;
     OK(dplGetFileAxes(avatar, &axes));
     CHECK(axes.stated == DPL_TRUE && axes.loadedFromFile[0] == 1 && axes.loadedFromFile[1] == 0 && axes.loadedFromFile[8] == 1);

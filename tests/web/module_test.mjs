@@ -51,6 +51,8 @@ test('a clip is found by name, and a pose and a transform move the person', asyn
   assert.ok(compare(rest, walking).levels > 50);
   person.setPose(person.joints.flatMap(() => [0, 0, 0, 1]));
   assert.equal(compare(rest, person.draw(camera)).db, Infinity);
+  person.setClothStiffness(3);
+  person.setClothStiffness(1);
   person.setTransform([1, 0, 0, 0.5, 0, 1, 0, 0, 0, 0, 1, 0]);
   assert.ok(compare(rest, person.draw(camera)).levels > 50);
   person.setTransform(null);
@@ -127,6 +129,7 @@ test('wrong calls are errors, and the person lives', async () => {
   await fails(() => person.draw({ ...camera, width: 1e9 }), 'DPL_ERROR_INVALID_ARGUMENT', /1 to 8192/);
   await fails(() => person.draw({ ...camera, fx: NaN }), 'DPL_ERROR_INVALID_ARGUMENT', /./);
   await fails(() => person.draw({ ...camera, viewFromWorld: [] }), 'DPL_ERROR_INVALID_ARGUMENT', /12 numbers/);
+  await fails(() => person.setClothStiffness(-1), 'DPL_ERROR_INVALID_ARGUMENT', /1 is as learned/);
   await fails(() => person.setTransform([1, 2, 3]), 'DPL_ERROR_INVALID_ARGUMENT', /12 are needed/);
   await fails(() => person.lookAt({ ...SHOTS[0], eye: SHOTS[0].target }), 'DPL_ERROR_INVALID_ARGUMENT', /./);
   await fails(() => person.loadClip(Buffer.from('HIERARCHY nothing')), 'DPL_ERROR_CORRUPT_DATA', /./);

@@ -140,6 +140,10 @@ void setMotionState(JNIEnv* env, jclass, jlong avatar, jbyteArray state) {
     check(env, dplSetMotionState(avatarOf(avatar), bytes.data(), bytes.size()));
 }
 
+void setClothStiffness(JNIEnv* env, jclass, jlong avatar, jfloat stiffness) {
+    check(env, dplSetClothStiffness(avatarOf(avatar), stiffness));
+}
+
 void getPose(JNIEnv* env, jclass, jlong avatar, jfloatArray rotations, jfloatArray root) {
     const auto info = infoOf(env, avatar);
     if (!info) return;
@@ -352,6 +356,7 @@ const std::vector<JNINativeMethod> kAvatarMethods = {
     method("settle", "(J)V", settle),
     method("motionState", "(J)[B", motionState),
     method("setMotionState", "(J[B)V", setMotionState),
+    method("setClothStiffness", "(JF)V", setClothStiffness),
     method("getPose", "(J[F[F)V", getPose),
     method("jointPositions", "(J[F)V", jointPositions),
     method("clipName", "(JI)Ljava/lang/String;", clipName),

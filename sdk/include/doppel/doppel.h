@@ -349,6 +349,13 @@ DPL_EXPERIMENTAL DplResult dplGetMotionState(DplAvatar avatar, uint8_t* state, s
  *  takes it. DPL_ERROR_INVALID_ARGUMENT: other bytes, or those of another avatar; what is remembered then stays. */
 DPL_EXPERIMENTAL DplResult dplSetMotionState(DplAvatar avatar, const uint8_t* state, size_t size);
 
+/** How stiff the clothes are, until it is changed: 0 to 100; 1 as learned, and the same picture as without this call. It scales all that
+ *  they do of motion, such as a swing, a lag or a ride up, by 2/(1 + stiffness): 3 halves it, 100 leaves next to nothing, 0 doubles it, but
+ *  to no more than 1.3 times the largest of training. What they remember, and for how long, stays as it is, and so do offsets that follow
+ *  the pose alone. Nothing changes for an avatar whose clothes learned no motion. The motion state does not hold it.
+ *  DPL_ERROR_INVALID_ARGUMENT: out of range or not a number, or general splats. The previous stiffness then stays. */
+DPL_EXPERIMENTAL DplResult dplSetClothStiffness(DplAvatar avatar, float stiffness);
+
 /** Copies the current pose: 4·jointCount floats to rotations, 3 floats to rootTranslation. Either may be NULL. */
 DPL_API DplResult dplGetPose(DplAvatar avatar, float* rotations, uint32_t jointCount, float* rootTranslation);
 

@@ -171,6 +171,8 @@ public:
     }
     /** Restores motionState() of an avatar of the same file. */
     Status setMotionState(std::span<const uint8_t> state) { return status(dplSetMotionState(handle_, state.data(), state.size())); }
+    /** How stiff the clothes are, until changed: 0 to 100, 1 as learned. See dplSetClothStiffness. */
+    Status setClothStiffness(float stiffness) { return status(dplSetClothStiffness(handle_, stiffness)); }
     /** The current pose: 4 floats a joint, and the root translation. Either may be empty. */
     Status pose(std::span<float> rotations, std::span<float> rootTranslation = {}) const {
         if (Status fits = checkPoseSizes(rotations.size(), rootTranslation.size()); !fits) return fits;

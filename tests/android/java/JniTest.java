@@ -125,6 +125,8 @@ final class JniTest {
         Native.setMotionState(avatar, state);
         expect(Arrays.equals(Native.motionState(avatar), state), "and comes back");
         expectError(DoppelException.INVALID_ARGUMENT, "motion state", "other bytes", () -> Native.setMotionState(avatar, new byte[9]));
+        Native.setClothStiffness(avatar, 3);
+        expectError(DoppelException.INVALID_ARGUMENT, "1 is as learned", "a stiffness below 0", () -> Native.setClothStiffness(avatar, -1));
         Native.destroyAvatar(avatar);
     }
 

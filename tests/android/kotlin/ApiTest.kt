@@ -143,6 +143,9 @@ private class ApiTest(private val work: Path) {
                 avatar.settle()
                 avatar.motionState = remembered
                 expect(avatar.motionState.contentEquals(remembered), "what clothes remember can be saved")
+                avatar.setClothStiffness(3f)
+                expectError(DoppelException.INVALID_ARGUMENT, "1 is as learned", "a stiffness below 0") { avatar.setClothStiffness(-1f) }
+                avatar.setClothStiffness(1f)
                 expectError(DoppelException.INVALID_ARGUMENT, "33 joints", "a frame of the wrong size") {
                     avatar.createTracker(TrackFormat.MEDIAPIPE_POSE).use { it.track(0, null, positions) }
                 }

@@ -113,6 +113,36 @@ TEST_F(MotionApiTest, refusesWhatDoesNotFit) {
     EXPECT_TRUE(drawn() == before) << "pose and time stay";
 }
 
+TEST_F(MotionApiTest, stiffnessStaysWhilePosesComeAndGo) {
+    const std::vector<uint8_t> learned = drawnPlain(0.6f);
+    ASSERT_EQ(dplSetClothStiffness(person_, 3), DPL_OK) << dplGetLastError();
+    const std::vector<uint8_t> stiffer = drawn();
+    EXPECT_TRUE(stiffer != learned) << "the same pose is drawn anew";
+    EXPECT_TRUE(drawnAt(0.6f, 0) == stiffer);
+    EXPECT_TRUE(drawnPlain(0.6f) == stiffer);
+    ASSERT_EQ(dplSetPoseFromClip(person_, 0, 0.9, DPL_FALSE), DPL_OK);
+    const std::vector<uint8_t> stiffClip = drawn();
+    const std::vector<uint8_t> saved = state();
+    ASSERT_EQ(dplSetClothStiffness(person_, 1), DPL_OK) << dplGetLastError();
+    EXPECT_TRUE(state() == saved) << "what is remembered does not know of it";
+    EXPECT_TRUE(drawn() != stiffClip);
+    EXPECT_TRUE(drawnPlain(0.6f) == learned) << "1 is as learned, to the byte";
+}
+
+TEST_F(MotionApiTest, refusesAStiffnessThatIsNone) {
+    ASSERT_EQ(dplSetClothStiffness(person_, 3), DPL_OK) << dplGetLastError();
+    const std::vector<uint8_t> stiffer = drawnPlain(0.6f);
+    for (const float bad : {-1e-6f, 100.01f, kNan, kInfinity, -kInfinity}) {
+        EXPECT_EQ(dplSetClothStiffness(person_, bad), DPL_ERROR_INVALID_ARGUMENT) << bad;
+        EXPECT_TRUE(errorSays("from 0 to 100, and 1 is as learned")) << dplGetLastError();
+    }
+    EXPECT_EQ(dplSetClothStiffness(nullptr, 1), DPL_ERROR_INVALID_ARGUMENT);
+    EXPECT_TRUE(drawn() == stiffer) << "the stiffness before stays";
+    EXPECT_EQ(dplSetClothStiffness(person_, 0), DPL_OK) << dplGetLastError();
+    EXPECT_EQ(dplSetClothStiffness(person_, 100), DPL_OK) << dplGetLastError();
+    EXPECT_EQ(dplSetClothStiffness(avatar_, 3), DPL_OK) << "an avatar whose clothes learned no motion takes it";
+}
+
 TEST_F(MotionApiTest, aClipIsAFunctionOfItsTimeInAnyOrder) {
     std::vector<std::vector<uint8_t>> forward;
     for (int k = 0; k <= 6; ++k) {

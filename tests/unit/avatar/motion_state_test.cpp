@@ -224,6 +224,33 @@ TEST(MotionState, neverGrowsWhileThePoseRests) {
     }
 }
 
+TEST(MotionState, stifferClothesMoveLessAndSofterOnesALittleBeyondTheReach) {
+    MotionModeData m = twoJoints();
+    for (MotionGroupData& group : m.groups) group.reach = 1e6f;
+    const MotionState state = stateOf(m, turnedBy(1, -0.8f));
+    const auto with = [&](float stiffness) {
+        std::vector<float> k(m.columnCount());
+        motionCoefficients(m, state, k, stiffness);
+        return k;
+    };
+    const std::vector<float> learned = with(1);
+    EXPECT_EQ(learned, coefficientsOf(m, state)) << "the same bytes";
+    for (size_t i = 0; i < learned.size(); ++i) {
+        EXPECT_FLOAT_EQ(with(3)[i], 0.5f * learned[i]);
+        EXPECT_FLOAT_EQ(with(0)[i], 2 * learned[i]);
+        EXPECT_LT(std::abs(with(kMostClothStiffness)[i]), 0.02f * std::abs(learned[i]) + 1e-12f);
+    }
+    for (MotionGroupData& group : m.groups) group.reach = 1e-3f;  // all are shortened to it
+    size_t column = 0;
+    for (const MotionGroupData& group : m.groups) {
+        double soft = 0, asLearned = 0;
+        for (size_t c = 0; c < group.columnCount; ++c, ++column)
+            soft += std::pow(double(with(0)[column]), 2), asLearned += std::pow(double(with(1)[column]), 2);
+        EXPECT_NEAR(std::sqrt(asLearned), 1e-3, 1e-9);
+        EXPECT_NEAR(std::sqrt(soft), kMostMotionOverReach * 1e-3, 1e-9);
+    }
+}
+
 TEST(MotionState, correctivesAppendTheSettledColumnsAndDoNotFadeThem) {
     AvatarData avatar = test::layeredAvatar(3, 0, 12, 4);
     avatar.correctives = test::randomCorrectives(avatar, 3, {.modes = 4, .reach = 0.01f, .reachOffModes = 0.01f, .motion = 3});

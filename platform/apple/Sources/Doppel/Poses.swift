@@ -62,6 +62,9 @@ extension Avatar {
         try check(dplSetMotionState(handle.raw, state, state.count))
     }
 
+    /// How stiff the clothes are, until changed: 0 to 100, 1 as learned; stiffer ones swing and lag less. See `dplSetClothStiffness`.
+    public func setClothStiffness(_ stiffness: Float) throws(DoppelError) { try check(dplSetClothStiffness(handle.raw, stiffness)) }
+
     public func pose() throws(DoppelError) -> Pose {
         let count = try info().jointCount
         var rotations = [SIMD4<Float>](repeating: .zero, count: count)

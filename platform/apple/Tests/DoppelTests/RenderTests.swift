@@ -123,6 +123,9 @@ final class RenderTests: XCTestCase {
         try avatar.settle()
         try avatar.setMotionState(remembered)
         XCTAssertEqual(try avatar.motionState(), remembered)
+        try avatar.setClothStiffness(3)
+        XCTAssertThrowsError(try avatar.setClothStiffness(-1)) { XCTAssertEqual(($0 as? DoppelError)?.code, .invalidArgument) }
+        try avatar.setClothStiffness(1)
         try avatar.setPose(clip: 0, timeS: 0.5)
         XCTAssertEqual(try avatar.pose().root.y, 0.25, accuracy: 1e-4)
         try avatar.setPose(clip: 0, timeS: 9, loop: false)

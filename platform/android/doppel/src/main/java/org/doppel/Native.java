@@ -46,6 +46,7 @@ final class Native {
     static native void settle(long avatar);
     static native byte[] motionState(long avatar);
     static native void setMotionState(long avatar, byte[] state);
+    static native void setClothStiffness(long avatar, float stiffness);
     static native void getPose(long avatar, float[] rotations, float[] root);
     static native void jointPositions(long avatar, float[] positions);
     static native String clipName(long avatar, int clip);

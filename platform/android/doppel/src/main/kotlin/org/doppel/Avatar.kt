@@ -117,6 +117,9 @@ class Avatar internal constructor(number: Long) : Closeable {
         get() = Native.motionState(number)
         set(state) = Native.setMotionState(number, state)
 
+    /** How stiff the clothes are, until changed: 0 to 100, 1 as learned; stiffer ones swing and lag less. See dplSetClothStiffness. */
+    fun setClothStiffness(stiffness: Float) = Native.setClothStiffness(number, stiffness)
+
     fun pose(): Pose {
         val pose = Pose(FloatArray(4 * info.jointCount), FloatArray(3))
         Native.getPose(number, pose.rotations, pose.root)
