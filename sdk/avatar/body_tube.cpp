@@ -84,7 +84,7 @@ float BodyTube::radiusAt(float k, float angleRad) const {
 std::optional<BodyTube::Place> BodyTube::placeOf(const Vec3f& local, float withinM) const {
     Place place;
     place.share = std::min({(local.x - beginM) / kTaperM + 1, (endM - local.x) / kTaperM + 1, 1.0f});
-    if (place.share <= 0) return std::nullopt;
+    if (!(place.share > 0)) return std::nullopt;
     const float ring = ringAt(local.x);
     place.distanceM = std::sqrt(local.y * local.y + local.z * local.z);
     const size_t k0 = size_t(ring), k1 = std::min(k0 + 1, kAlong - 1);

@@ -170,7 +170,7 @@ float ClothClearance::push(std::span<const Mat3x4f> worldFromRest, std::span<Vec
             const Frame& frame = frames[near_[i].tube];
             const Vec3f p = at - frame.from;
             const float along = glm::dot(p, frame.along), widest = frame.widestM + near_[i].leastM;
-            if (along < frame.beginM || along > frame.endM) continue;
+            if (!(along >= frame.beginM && along <= frame.endM)) continue;                                          // nor what is no number
             if (const Vec3f off = p - along * frame.along; glm::dot(off, off) > 1.01f * widest * widest) continue;  // most end here
             const Vec3f local(along, glm::dot(p, frame.across), glm::dot(p, frame.third));
             const auto place = tubes_[near_[i].tube].placeOf(local, near_[i].leastM);

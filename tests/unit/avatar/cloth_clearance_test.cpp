@@ -4,6 +4,8 @@
 
 #include <gtest/gtest.h>
 
+#include <limits>
+
 #include "sdk/avatar/posed_mesh.h"
 #include "tests/unit/avatar/clothed_legs.h"
 
@@ -95,6 +97,21 @@ TEST(ClothClearance, needsMotionModesABodyLayerAndBones) {
     uncorrected.correctives = {};
     for (const AvatarData* a : {&still, &bare, &nameless, &uncorrected})
         EXPECT_TRUE(ClothClearance(a->joints, a->mesh, a->correctives).empty());
+}
+
+TEST(ClothClearance, leavesAloneWhatHangsOnNoJointAndPosesThatAreNoNumbers) {
+    AvatarData a = clothedLegs();
+    const Pushed walk(a, stride(1, -0.3f));
+    std::vector<Mat3x4f> torn = walk.worldFromRest;
+    for (Mat3x4f& m : torn) m[3] = Vec3f(std::numeric_limits<float>::quiet_NaN());
+    std::vector<Vec4f> nodes = walk.before;
+    std::vector<Vec3f> scratch;
+    EXPECT_EQ(ClothClearance(a.joints, a.mesh, a.correctives).push(torn, nodes, scratch), 0);
+    EXPECT_TRUE(nodes == walk.before);
+    for (uint32_t v = a.mesh.layers[1].firstVertex; v < a.mesh.jointWeights.size(); ++v) a.mesh.jointWeights[v] = glm::u8vec4(0);
+    const Pushed loose(a, stride(1, -0.3f));
+    EXPECT_EQ(loose.mostM, 0);
+    EXPECT_TRUE(loose.after == loose.before);
 }
 
 TEST(ClothClearance, aPosedMeshHasTheSameBytesOnAnyThreads) {
