@@ -158,14 +158,20 @@ ReferenceCorrection referenceCorrection(const AvatarData& avatar, const Pose& po
     const PoseCorrectiveData& c = avatar.correctives;
     if (c.nodeCount == 0) return out;
     const std::vector<double> k = referenceCoefficients(c, pose);
+    std::vector<glm::dvec3> sums(c.nodeCount, glm::dvec3(0));
+    for (size_t n = 0; n < sums.size(); ++n)
+        for (size_t i = 0; i < k.size(); ++i) sums[n] += k[i] * glm::dvec3(c.nodes[n * k.size() + i]);
+    const std::vector<glm::dvec3> pushes = referencePushes(avatar, pose, sums);
     for (size_t v = 0; v < vertices; ++v) {
-        for (int slot = 0; slot < 4; ++slot)
+        for (int slot = 0; slot < 4; ++slot) {
+            out.offset[v] += double(c.nodeWeights[v][slot]) / 255.0 * pushes[c.nodeIndices[v][slot]];
             for (size_t i = 0; i < k.size(); ++i) {
                 const glm::dvec4 value(c.nodes[size_t(c.nodeIndices[v][slot]) * k.size() + i]);
                 const double share = k[i] * double(c.nodeWeights[v][slot]) / 255.0;
                 out.offset[v] += share * glm::dvec3(value);
                 out.light[v] += share * value.w;
             }
+        }
         out.light[v] = std::clamp(out.light[v], kDarkest, kBrightest);
     }
     return out;

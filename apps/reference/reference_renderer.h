@@ -116,6 +116,9 @@ struct ReferenceCorrection {
 };
 ReferenceCorrection referenceCorrection(const AvatarData& avatar, const Pose& pose);
 
+/** By how much clearance moves the M control nodes from `offsets`, the sums of their modes; metres at rest. */
+std::vector<glm::dvec3> referencePushes(const AvatarData& avatar, const Pose& pose, const std::vector<glm::dvec3>& offsets);
+
 /** Irradiance on a unit normal over its mean, within the bounds of docs/reference/light.md. */
 double referenceIrradiance(const LightData& light, const glm::dvec3& normal);
 

@@ -10,6 +10,7 @@
 namespace dpl::api {
 
 struct Surface {
+    ClothClearance clearance;
     PosedSurface posed;
     ContactShadowCaster caster;
     ContactShadow shadow;

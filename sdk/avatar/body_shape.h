@@ -7,6 +7,7 @@
 #include <span>
 #include <vector>
 
+#include "sdk/avatar/body_tube.h"
 #include "sdk/avatar/rig.h"
 #include "sdk/format/avatar_data.h"
 
@@ -33,19 +34,7 @@ public:
     float upperArmM(size_t side) const { return upperArmM_[side]; }
 
 private:
-    static constexpr size_t kAround = 24, kAlong = 10;
-    /** The surface around a bone at rest: radii by place along it and angle around it. */
-    struct Tube {
-        size_t joint = 0;
-        Vec3f from{0}, along{0}, across{0}, third{0};  // axes: unit, at right angles
-        float beginM = 0, endM = 0;                    // along the axis
-        std::vector<float> radiiM;                     // kAlong × kAround
-
-        float radiusAt(float alongM, float angleRad) const;
-    };
-    static std::optional<Tube> tubeOf(std::span<const JointData> joints, const MeshData& mesh, size_t joint, const Vec3f& to);
-
-    std::vector<Tube> tubes_;
+    std::vector<BodyTube> tubes_;
     float handM_[2] = {0.015f, 0.015f}, lowerArmM_[2] = {0.04f, 0.04f}, upperArmM_[2] = {0.05f, 0.05f};
 };
 

@@ -19,6 +19,7 @@ void PosedMesh::control(const PosedSubject& s, const Pose& pose) {
         correctiveNodes(s.correctives, coefficients_, nodes_);
     }
     jointTransforms(s.joints, pose, worldFromRest_);
+    pushedM_ = s.clearance && !nodes_.empty() ? s.clearance->push(worldFromRest_, nodes_, pushes_) : 0;
 }
 
 void PosedMesh::vertices(const PosedSubject& s, Jobs& jobs) {

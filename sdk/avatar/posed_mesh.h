@@ -5,6 +5,7 @@
 
 #include <vector>
 
+#include "sdk/avatar/cloth_clearance.h"
 #include "sdk/avatar/pose_correctives.h"
 
 namespace dpl {
@@ -15,8 +16,9 @@ struct PosedSubject {
     const MeshData& mesh;
     const PoseCorrectiveData& correctives;
     TrianglesAtRest rest;
-    const LightData* light = nullptr;     // null: none
-    std::span<const Vec3f> normals = {};  // V, of RestNormals; empty: computed in each pose that needs them, which costs time
+    const LightData* light = nullptr;           // null: none
+    std::span<const Vec3f> normals = {};        // V, of RestNormals; empty: computed in each pose that needs them, which costs time
+    const ClothClearance* clearance = nullptr;  // of the same avatar; null: clothes may enter the body
 };
 
 /** Whether both give the same mesh. */
@@ -48,14 +50,16 @@ public:
     std::span<const float> sceneLight() const { return scene_; }               // V, their part of the light of the scene; empty: 1
     std::span<const Mat3x4f> worldFromRest() const { return worldFromRest_; }  // one per joint
     std::span<const float> coefficients() const { return coefficients_; }      // K + K', of the correctives
-    std::span<const Vec4f> nodes() const { return nodes_; }                    // M, of the correctives
+    std::span<const Vec4f> nodes() const { return nodes_; }                    // M, of the correctives, pushed out of the body
+    float pushedM() const { return pushedM_; }                                 // by how much at most
 
 private:
     void addSceneLight(const PosedSubject& subject, Jobs& jobs);
 
+    float pushedM_ = 0;
     std::vector<float> coefficients_, light_, scene_;
     std::vector<Vec4f> nodes_;
-    std::vector<Vec3f> moved_, positions_, normals_;
+    std::vector<Vec3f> moved_, positions_, normals_, pushes_;
     std::vector<Mat3x4f> worldFromRest_;
     std::vector<TriangleFrame<float>> frames_;
 };

@@ -6,14 +6,17 @@
 namespace dpl {
 namespace {
 
-void poseAvatar(const AvatarData& avatar, const Pose& pose, DrawnSubject& out) {
+void poseAvatar(const LoadedSubject& subject, const Pose& pose, DrawnSubject& out) {
+    const AvatarData& avatar = *subject.avatar;
     jointTransforms(avatar.joints, pose, out.worldFromRest);
+    out.pushedM = 0;
     if (avatar.correctives.empty()) {
         out.coefficients.clear(), out.nodes.clear();
         return;
     }
     correctiveCoefficients(avatar.correctives, pose, out.coefficients);
     correctiveNodes(avatar.correctives, out.coefficients, out.nodes);
+    out.pushedM = subject.clearance.push(out.worldFromRest, out.nodes, out.pushes);
 }
 
 }  // namespace
@@ -30,7 +33,7 @@ PosedSet SubjectPoser::pose(std::span<const Drawn> what, std::span<LoadedSubject
             members[k].general = &subjects[k]->generalDetail;
             continue;
         }
-        poseAvatar(*subjects[k]->avatar, *what[k].pose, out);
+        poseAvatar(*subjects[k], *what[k].pose, out);
         members[k].avatar = &subjects[k]->detail;
         members[k].worldFromRest = out.worldFromRest;
     }
@@ -47,7 +50,7 @@ PosedSet SubjectPoser::pose(std::span<const Drawn> what, std::span<LoadedSubject
         const FrameViews own{out.views.cameras(), views.shared};
         for (size_t frame = 0; frame < own.frameCount(); ++frame)
             out.unseen[frame] |= subject.components.unseen(out.worldFromRest, out.coefficients, own.of(frame), subject.splats.kappaPx2,
-                                                           out.largestGrowth, out.views.scale());
+                                                           out.largestGrowth, out.views.scale(), out.pushedM);
     }
     return {{posed_.data(), subjects.size()}, splats};
 }

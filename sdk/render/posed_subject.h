@@ -3,7 +3,7 @@
 //
 //   placement, views ─► the views in the space of the subject
 //   pose, joints ─► joint transforms ─► level of detail (of all subjects together) ─► components out of view
-//   pose ─► coefficients of the pose correctives ─► control nodes
+//   pose ─► coefficients of the pose correctives ─► control nodes ─► out of the body
 #pragma once
 
 #include <array>
@@ -18,7 +18,9 @@ namespace dpl {
 struct DrawnSubject {
     std::vector<Mat3x4f> worldFromRest;  // of each joint
     std::vector<float> coefficients;     // of the pose correctives; empty without them
-    std::vector<Vec4f> nodes;            // their control nodes
+    std::vector<Vec4f> nodes;            // their control nodes, pushed out of the body
+    std::vector<Vec3f> pushes;           // scratch
+    float pushedM = 0;                   // by how much at most
     SplatDetail detail;                  // of an avatar
     GeneralDetail generalDetail;         // of general splats
     float drawnShare = 1;                // upper bound of the share of its splats that this level of detail draws

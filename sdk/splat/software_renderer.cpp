@@ -44,6 +44,7 @@ struct Drawable final : PreparedSubject {
     // An avatar; null: general splats.
     std::shared_ptr<const AvatarData> avatar;
     std::vector<Vec3f> normals;  // at rest; empty without light
+    ClothClearance clearance;
     CodedSplats splats;
     float trainedPixelM = 0;
     Components components;
@@ -62,9 +63,9 @@ struct Drawable final : PreparedSubject {
         for (const RenderedView& p : pictures)
             pictureBytes += p.rgba.capacity() + (p.depthM.capacity() + p.meshDepthM.capacity()) * sizeof(float);
         return pictureBytes + general.bytes() + splats.bytes() + (avatar ? posingBytes(*avatar) : 0) + normals.size() * sizeof(Vec3f) +
-               mesh.frames().size_bytes() + mesh.positions().size_bytes() + mesh.rest().size_bytes() + mesh.light().size_bytes() +
-               mesh.sceneLight().size_bytes() + mesh.worldFromRest().size_bytes() + mesh.coefficients().size_bytes() +
-               mesh.nodes().size_bytes();
+               clearance.bytes() + mesh.frames().size_bytes() + mesh.positions().size_bytes() + mesh.rest().size_bytes() +
+               mesh.light().size_bytes() + mesh.sceneLight().size_bytes() + mesh.worldFromRest().size_bytes() +
+               mesh.coefficients().size_bytes() + mesh.nodes().size_bytes();
     }
 };
 
@@ -89,6 +90,7 @@ public:
             Components(*avatar, componentsOf(*avatar), reachOfTriangles(drawable->splats, avatar->mesh.triangles.size()));
         drawable->kappaPx2 = avatar->kappaPx2, drawable->compensated = avatar->compensated, drawable->trainedPixelM = avatar->trainedPixelM;
         if (!avatar->light.empty()) drawable->normals = restVertexNormals(avatar->mesh);
+        drawable->clearance = ClothClearance(avatar->joints, avatar->mesh, avatar->correctives);
         drawable->avatar = std::move(avatar);
         return std::unique_ptr<PreparedSubject>(std::move(drawable));
     }
@@ -269,7 +271,7 @@ private:
     }
 
     static PosedSubject posedSubject(const Drawable& d) {
-        return {d.avatar->joints, d.avatar->mesh, d.avatar->correctives, {}, &d.avatar->light, d.normals};
+        return {d.avatar->joints, d.avatar->mesh, d.avatar->correctives, {}, &d.avatar->light, d.normals, &d.clearance};
     }
 
     /** Poses the surface of each avatar of together_ that some view may show, and sets `seen` of all. */
@@ -277,9 +279,10 @@ private:
         for (size_t k = 0; k < together_.size(); ++k) {
             Drawable* d = together_[k];
             if (!d->avatar) continue;
-            const uint32_t unseen = d->components.unseen(d->mesh.worldFromRest(), d->mesh.coefficients(), seenBy_[k].cameras(), d->kappaPx2,
-                                                         d->detailSubject.largestGrowth(d->detail.perM2), seenBy_[k].scale()) |
-                                    d->components.ofLayers(d->hiddenLayers);
+            const uint32_t unseen =
+                d->components.unseen(d->mesh.worldFromRest(), d->mesh.coefficients(), seenBy_[k].cameras(), d->kappaPx2,
+                                     d->detailSubject.largestGrowth(d->detail.perM2), seenBy_[k].scale(), d->mesh.pushedM()) |
+                d->components.ofLayers(d->hiddenLayers);
             d->componentsInView = d->components.count() - uint32_t(std::popcount(unseen));
             d->seen = d->componentsInView > 0 || d->components.count() == 0;
             if (d->seen && !d->surfaced) poseSurface(*d);

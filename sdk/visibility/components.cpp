@@ -66,6 +66,26 @@ void moveBy(const PoseCorrectiveData& c, uint32_t mode, std::vector<Vec3f>& move
             moved[v] += float(c.nodeWeights[v][k]) * (1.0f / 255) * Vec3f(c.nodes[size_t(c.nodeIndices[v][k]) * c.columnCount() + mode]);
 }
 
+/** Sum over the nodes of the difference between their weights at two vertices. */
+double nodesApart(const PoseCorrectiveData& c, uint32_t a, uint32_t b) {
+    const auto weightAt = [&](uint32_t v, uint32_t node) {
+        int sum = 0;
+        for (int k = 0; k < 4; ++k) sum += c.nodeIndices[v][k] == node ? int(c.nodeWeights[v][k]) : 0;
+        return sum;
+    };
+    const auto firstOf = [&](uint32_t v, int slot) {
+        for (int k = 0; k < slot; ++k)
+            if (c.nodeIndices[v][k] == c.nodeIndices[v][slot]) return false;
+        return true;
+    };
+    int sum = 0;
+    for (int k = 0; k < 4; ++k) {
+        if (const uint32_t node = c.nodeIndices[a][k]; firstOf(a, k)) sum += std::abs(weightAt(a, node) - weightAt(b, node));
+        if (const uint32_t node = c.nodeIndices[b][k]; firstOf(b, k) && weightAt(a, node) == 0) sum += weightAt(b, node);
+    }
+    return double(sum) / 255;
+}
+
 bool addsUp(const std::vector<glm::u8vec4>& weights) {
     return std::all_of(weights.begin(), weights.end(), [](const glm::u8vec4& w) { return int(w.x) + w.y + w.z + w.w == 255; });
 }
@@ -189,6 +209,15 @@ Components::Components(const AvatarData& avatar, const ComponentMap& map, std::s
             mode.overM = std::max(mode.overM, (apart1 + apart2) * double(stretch[t].z));
         }
     }
+    for (size_t t = 0; t < mesh.triangles.size() && !avatar.correctives.empty(); ++t) {
+        const Triangle& corners = mesh.triangles[t];
+        const double apart1 = nodesApart(avatar.correctives, corners.x, corners.y),
+                     apart2 = nodesApart(avatar.correctives, corners.x, corners.z);
+        Mode& pushed = components_[map.ofTriangle[t]].pushed;
+        pushed.offsetM = 1;
+        pushed.reachM = std::max(pushed.reachM, apart1 * double(stretch[t].x) + apart2 * double(stretch[t].y));
+        pushed.overM = std::max(pushed.overM, (apart1 + apart2) * double(stretch[t].z));
+    }
     for (uint32_t i = 0; i < map.count; ++i) {
         for (uint32_t joint = 0; joint < avatar.joints.size(); ++joint)
             if (const Box& box = growing[i].boxes[joint]; box.low.x <= box.high.x)
@@ -202,7 +231,7 @@ Components::Components(const AvatarData& avatar, const ComponentMap& map, std::s
 }
 
 uint32_t Components::unseen(std::span<const Mat3x4f> worldFromRest, std::span<const float> coefficients, std::span<const Cameraf> views,
-                            float kappaPx2, float growth, float scale) const {
+                            float kappaPx2, float growth, float scale, float pushedM) const {
     const auto carried = [&](uint32_t joint, const Vec3d& p) {
         const Mat3x4f& m = worldFromRest[joint];
         return Vec3d(m[0]) * p.x + Vec3d(m[1]) * p.y + Vec3d(m[2]) * p.z + Vec3d(m[3]);
@@ -224,6 +253,8 @@ uint32_t Components::unseen(std::span<const Mat3x4f> worldFromRest, std::span<co
             const double k = std::abs(double(coefficients[m]));
             offset += k * c.modes[m].offsetM, reachM += k * c.modes[m].reachM, overM += k * c.modes[m].overM;
         }
+        const double pushed = double(pushedM);
+        offset += pushed * c.pushed.offsetM, reachM += pushed * c.pushed.reachM, overM += pushed * c.pushed.overM;
         double reachShare = 0, overShare = 0;  // metres, added by creases
         const auto shownIn = [&](const Cameraf& view) {
             const double reach = double(growth) * (reachM + reachShare), over = overM + overShare;

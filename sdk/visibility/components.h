@@ -53,9 +53,10 @@ public:
     /** Bits of the components of which no view can show a splat or a vertex. Conservative: a component that shows is never among them
      * (tests/reference/components_test.cpp). worldFromRest: jointTransforms; coefficients: correctiveCoefficients or empty; kappaPx2: of a
      * pixel; growth: largest growth of a splat by level of detail, ≥ 1. The views are in the avatar's own space and metres; scale: metres
-     * of the world that one of these takes. Numbers that are not finite leave nothing out. Allocates nothing. */
+     * of the world that one of these takes. pushedM: by how much nodes differ from the sum of the modes at most (ClothClearance). Numbers
+     * that are not finite leave nothing out. Allocates nothing. */
     uint32_t unseen(std::span<const Mat3x4f> worldFromRest, std::span<const float> coefficients, std::span<const Cameraf> views,
-                    float kappaPx2, float growth, float scale = 1) const;
+                    float kappaPx2, float growth, float scale = 1, float pushedM = 0) const;
 
 private:
     struct Corners {  // box around the rest positions of the vertices that hang on a joint
@@ -79,6 +80,7 @@ private:
         std::vector<Corners> boxes;
         std::vector<Crease> creases;
         std::vector<Mode> modes;
+        Mode pushed;           // the same for nodes that are pushed by 1 m, each anywhere
         double reachM = 0;     // of its splats at rest
         double overM = 0;      // largest |e1| + |e2| of the triangles with splats that overshoot them (TriangleReach)
         double rootLevel = 0;  // TriangleReach

@@ -161,6 +161,18 @@ TEST(Components, aPersonOutOfViewIsLeftOutAndOneInViewIsNot) {
     EXPECT_EQ(unseen({0, 1, 3}, {0, 7, 2}), subject.components.all()) << "below";
 }
 
+TEST(Components, nodesThatArePushedBringAPersonIntoView) {
+    const ComponentSubject subject(randomPerson(3, true, false));
+    std::vector<Mat3x4f> worldFromRest;
+    jointTransforms(subject.avatar.joints, Pose::rest(subject.avatar.joints.size()), worldFromRest);
+    const Cameraf view = lookAt({0, 1, 3}, {4, 1, 2}, 200, 150, 150);
+    const auto unseen = [&](float pushedM) {
+        return subject.components.unseen(worldFromRest, {}, {&view, 1}, float(kKappaPx2), 1, 1, pushedM);
+    };
+    EXPECT_EQ(unseen(0), subject.components.all());
+    EXPECT_EQ(unseen(5), 0u) << "vertices may lie 5 m off";
+}
+
 // Transforms that are not finite, and weights that do not sum to 255, leave nothing out.
 TEST(Components, nothingIsLeftOutForNumbersThatSayNothing) {
     ComponentSubject subject(randomPerson(4, false, false));

@@ -29,8 +29,9 @@ Result<StaticSplatData> posedSplats(const AvatarData& avatar, const Pose& pose) 
     DPL_RETURN_IF_ERROR(checkPose(avatar.joints, pose));
     Jobs jobs(1);
     const std::vector<RestTriangle<float>> bind = restTriangles(avatar.mesh);
+    const ClothClearance clearance(avatar.joints, avatar.mesh, avatar.correctives);
     PosedMesh posed;
-    posed.pose({avatar.joints, avatar.mesh, avatar.correctives, {bind}, &avatar.light}, pose, jobs);
+    posed.pose({avatar.joints, avatar.mesh, avatar.correctives, {bind}, &avatar.light, {}, &clearance}, pose, jobs);
     const std::span<const TriangleFrame<float>> frames = posed.frames();
 
     const SplatData& in = avatar.splats;

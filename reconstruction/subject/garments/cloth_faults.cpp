@@ -28,6 +28,7 @@ struct Clothed {
     std::vector<Triangle> triangles;  // of garments
     std::vector<const LayerData*> garments;
     std::vector<RestTriangle<float>> bind;  // of the whole mesh
+    ClothClearance clearance;
     bool empty() const { return body.empty() || vertices.empty(); }
 
     explicit Clothed(const AvatarData& from) : avatar(from), vertices(garmentVertices(from.mesh)) {
@@ -38,10 +39,12 @@ struct Clothed {
             triangles.insert(triangles.end(), own.begin(), own.end());
             garments.push_back(&layer);
         }
-        if (!empty()) bind = restTriangles(from.mesh);
+        if (empty()) return;
+        bind = restTriangles(from.mesh);
+        clearance = ClothClearance(from.joints, from.mesh, from.correctives);
     }
     void pose(const Pose& pose, Jobs& jobs, PosedMesh& posed) const {
-        posed.pose({avatar.joints, avatar.mesh, avatar.correctives, bind}, pose, jobs);
+        posed.pose({avatar.joints, avatar.mesh, avatar.correctives, {bind}, nullptr, {}, &clearance}, pose, jobs);
     }
 };
 

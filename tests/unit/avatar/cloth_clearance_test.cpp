@@ -1,0 +1,136 @@
+// SPDX-License-Identifier: Apache-2.0
+// Garment nodes that a pose would put inside the body are pushed out of it.
+#include "sdk/avatar/cloth_clearance.h"
+
+#include <gtest/gtest.h>
+
+#include <limits>
+
+#include "sdk/avatar/posed_mesh.h"
+#include "tests/unit/avatar/clothed_legs.h"
+
+namespace dpl {
+namespace {
+
+using test::clothedLegs;
+using test::stride;
+
+struct Pushed {
+    std::vector<Mat3x4f> worldFromRest;
+    std::vector<Vec4f> before, after;
+    float mostM = 0;
+    explicit Pushed(const AvatarData& a, const Pose& pose) {
+        std::vector<float> k;
+        std::vector<Vec3f> scratch;
+        jointTransforms(a.joints, pose, worldFromRest);
+        correctiveCoefficients(a.correctives, pose, k);
+        correctiveNodes(a.correctives, k, before);
+        after = before;
+        mostM = ClothClearance(a.joints, a.mesh, a.correctives).push(worldFromRest, after, scratch);
+    }
+};
+
+/** How deep the skirt's vertices lie in the thighs, metres, together. */
+double depthInThighs(const AvatarData& a, const Pushed& pushed, const std::vector<Vec4f>& nodes) {
+    Jobs jobs(1);
+    std::vector<Vec3f> moved, posed;
+    std::vector<float> light;
+    spreadCorrectives(a.correctives, nodes, a.mesh.restPositions, jobs, moved, light);
+    skin(a.mesh, moved, pushed.worldFromRest, jobs, posed);
+    double depth = 0;
+    const LayerData& skirt = a.mesh.layers[1];
+    for (uint32_t v = skirt.firstVertex; v < skirt.firstVertex + skirt.vertexCount; ++v)
+        for (const size_t thigh : {2, 5}) {
+            const Mat3x4f& g = pushed.worldFromRest[thigh];
+            const Vec3f p = glm::transpose(Mat3f(g)) * (posed[v] - g[3]) - a.joints[thigh].restPosition;
+            if (p.y < -0.03f && p.y > -0.42f) depth += std::max(0.0, double(test::kLegM) - std::hypot(double(p.x), double(p.z)));
+        }
+    return depth;
+}
+
+TEST(ClothClearance, atRestNothingIsPushed) {
+    const AvatarData a = clothedLegs();
+    const Pushed rest(a, stride(0, 0));
+    EXPECT_EQ(rest.mostM, 0);
+    EXPECT_TRUE(rest.after == rest.before);
+}
+
+TEST(ClothClearance, aLegThatRisesPushesTheSkirtOut) {
+    const AvatarData a = clothedLegs();
+    for (const Pose& pose : {stride(0.8f, -0.3f), stride(-0.5f, 0.9f)}) {
+        const Pushed walk(a, pose);
+        const double before = depthInThighs(a, walk, walk.before), after = depthInThighs(a, walk, walk.after);
+        EXPECT_GT(before, 0.1) << "metres of all vertices: else there is nothing to push";
+        EXPECT_LT(after, 0.9 * before) << "neighbours keep together, so it does not all come out";
+        EXPECT_GT(walk.mostM, 0.005f);
+    }
+}
+
+TEST(ClothClearance, movesNoNodeBeyondItsLimitAndReportsTheLargestChange) {
+    const AvatarData a = clothedLegs();
+    const PoseCorrectiveData& c = a.correctives;
+    float longest = 0, most = 0;
+    for (size_t i = 0; i < c.nodes.size(); ++i) {
+        const size_t column = i % c.columnCount();
+        const float reach = column < c.modeCount ? c.reach : c.motion.groups[column - c.modeCount].reach;  // groups of one column
+        longest = std::max(longest, reach * glm::length(Vec3f(c.nodes[i])));
+    }
+    const Pushed walk(a, stride(1.4f, -0.6f));
+    size_t kept = 0;
+    for (size_t n = 0; n < walk.after.size(); ++n) {
+        EXPECT_LE(glm::length(Vec3f(walk.after[n])), std::max(1.3f * longest, glm::length(Vec3f(walk.before[n]))) + 1e-6f);
+        EXPECT_EQ(walk.after[n].w, walk.before[n].w) << "brightness";
+        most = std::max(most, glm::length(Vec3f(walk.after[n]) - Vec3f(walk.before[n])));
+        kept += walk.after[n] == walk.before[n];
+    }
+    EXPECT_FLOAT_EQ(most, walk.mostM);
+    EXPECT_GT(kept, walk.after.size() / 4);
+    EXPECT_LT(kept, walk.after.size());
+}
+
+TEST(ClothClearance, needsMotionModesABodyLayerAndBones) {
+    EXPECT_FALSE(ClothClearance(clothedLegs().joints, clothedLegs().mesh, clothedLegs().correctives).empty());
+    AvatarData still = clothedLegs(), bare = clothedLegs(), nameless = clothedLegs(), uncorrected = clothedLegs();
+    dropMotionModes(still.correctives);
+    bare.mesh.layers[0].role = "garment";
+    for (JointData& joint : nameless.joints) joint.humanoidBone.clear(), joint.name = "joint";
+    uncorrected.correctives = {};
+    for (const AvatarData* a : {&still, &bare, &nameless, &uncorrected})
+        EXPECT_TRUE(ClothClearance(a->joints, a->mesh, a->correctives).empty());
+}
+
+TEST(ClothClearance, leavesAloneWhatHangsOnNoJointAndPosesThatAreNoNumbers) {
+    AvatarData a = clothedLegs();
+    const Pushed walk(a, stride(1, -0.3f));
+    std::vector<Mat3x4f> torn = walk.worldFromRest;
+    for (Mat3x4f& m : torn) m[3] = Vec3f(std::numeric_limits<float>::quiet_NaN());
+    std::vector<Vec4f> nodes = walk.before;
+    std::vector<Vec3f> scratch;
+    EXPECT_EQ(ClothClearance(a.joints, a.mesh, a.correctives).push(torn, nodes, scratch), 0);
+    EXPECT_TRUE(nodes == walk.before);
+    for (uint32_t v = a.mesh.layers[1].firstVertex; v < a.mesh.jointWeights.size(); ++v) a.mesh.jointWeights[v] = glm::u8vec4(0);
+    const Pushed loose(a, stride(1, -0.3f));
+    EXPECT_EQ(loose.mostM, 0);
+    EXPECT_TRUE(loose.after == loose.before);
+}
+
+TEST(ClothClearance, aPosedMeshHasTheSameBytesOnAnyThreads) {
+    const AvatarData a = clothedLegs();
+    const ClothClearance clearance(a.joints, a.mesh, a.correctives);
+    const PosedSubject with{a.joints, a.mesh, a.correctives, {}, nullptr, {}, &clearance}, without{a.joints, a.mesh, a.correctives, {}};
+    Jobs one(1), three(3);
+    PosedMesh first, second, plain;
+    const Pose walk = stride(1, -0.3f);
+    first.pose(with, walk, one), second.pose(with, walk, three), plain.pose(without, walk, one);
+    const auto same = [](const PosedMesh& a, const PosedMesh& b) {
+        return std::equal(a.positions().begin(), a.positions().end(), b.positions().begin(), b.positions().end());
+    };
+    EXPECT_TRUE(same(first, second));
+    EXPECT_FALSE(same(first, plain));
+    const Pose rest = stride(0, 0);
+    first.pose(with, rest, one), plain.pose(without, rest, one);
+    EXPECT_TRUE(same(first, plain)) << "a frame in which nothing is pushed";
+}
+
+}  // namespace
+}  // namespace dpl
