@@ -4,8 +4,8 @@
 
     bundle.py FIRST.js OUT.js
 
-Each module becomes a function that returns what it exports, so that their names do not meet. Lines that are comments and spaces before
-and behind lines are left out, in templates too. Knows
+Each module becomes a function that returns what it exports, so that their names do not meet. Comments of lines and at their ends and spaces
+before and behind lines are left out, in templates too. Knows
 `import { a, b } from './file.js'`, `import './file.js'`, and `export` before const, function, async function and class; other forms
 are an error. No module may await outside of its functions.
 """
@@ -15,6 +15,7 @@ import sys
 
 IMPORT = re.compile(r"^import\s+(?:\{([^}]*)\}\s+from\s+)?['\"](\.{1,2}/[^'\"]+)['\"];\s*$", re.MULTILINE)
 EXPORT = re.compile(r"^export\s+((?:async\s+)?function\*?|class|const)\s+(\w+)", re.MULTILINE)
+TRAILING = re.compile(r"[ \t]{2,}// [^'\"`\n]*$", re.MULTILINE)  # without quotes: so it stands in no string
 COMMENT = re.compile(r"^[ \t]*(?://[^\n]*|/\*\*?.*?\*/[ \t]*)\n", re.MULTILINE | re.DOTALL)
 
 
@@ -25,7 +26,7 @@ def bundle(first):
         if path in seen:
             return
         seen[path] = None
-        text = COMMENT.sub("", path.read_text(encoding="utf-8"))
+        text = TRAILING.sub("", COMMENT.sub("", path.read_text(encoding="utf-8")))
         for _, target in IMPORT.findall(text):
             visit((path.parent / target).resolve())
         seen[path] = f"m{len(order)}"
