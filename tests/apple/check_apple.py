@@ -7,7 +7,8 @@ import plistlib
 import re
 import sys
 
-NOT_FOR_APPLE = {"doppel_vulkan.h", "doppel_png.h"}  # Apple's ImageIO writes PNG
+# Apple's ImageIO writes PNG, and Metal blends the splats.
+NOT_FOR_APPLE = {"doppel_vulkan.h", "doppel_png.h", "doppel_splats.h"}
 APPS = ("apps/ios", "apps/visionos")
 USAGE = {"ARBodyTrackingConfiguration": "NSCameraUsageDescription", "CompositorRenderer": "NSWorldSensingUsageDescription"}
 REASONS = re.compile(r"[0-9A-F]{4}\.[0-9]")
