@@ -159,9 +159,9 @@ std::vector<glm::dvec3> referencePushes(const AvatarData& avatar, const Pose& po
             n.carry /= sum;
             const glm::dvec3 skinned(n.carry * glm::dvec4(n.rest + offsets[index], 1));
             glm::dvec3 at = skinned;
-            const auto heard = [&](int64_t joint) {
-                const auto found = joint < 0 ? n.joints.end() : n.joints.find(uint32_t(joint));
-                return found != n.joints.end() && found->second >= kHeard;
+            const auto heard = [&shares = n.joints](int64_t joint) {
+                const auto found = joint < 0 ? shares.end() : shares.find(uint32_t(joint));
+                return found != shares.end() && found->second >= kHeard;
             };
             for (const Tube& t : tubes) {
                 if (!heard(t.joint) && !heard(avatar.joints[t.joint].parent)) continue;
