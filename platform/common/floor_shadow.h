@@ -16,7 +16,7 @@
 namespace dpl::platform {
 
 /** Part of the light on a floor that comes evenly from above and that a contact shadow may take. */
-constexpr float kShadowStrength = 0.75f;
+constexpr float kShadowStrength = 0.7f;
 
 /** A triangle's corner: world, metres, and alpha. */
 struct ShadowVertex {

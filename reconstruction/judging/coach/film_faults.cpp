@@ -28,6 +28,8 @@ constexpr double kHandOfForearm = 0.75;    // length of a hand
 constexpr double kOtherPersonShare = 0.2;  // of the pictures
 constexpr double kOtherPersonTall = 0.5;   // of the first one's height
 constexpr double kOtherClothes = 22;       // ΔE between the parts' median colours, of belly or of thighs
+constexpr double kRaised = 0.08;           // an elbow above its shoulder, over the height from shoulder to ankle
+constexpr double kBentDeg = 50;            // of an elbow
 constexpr size_t kFewest = 4;              // pictures below which a part is not judged
 
 // Landmarks of the left side; those of the right follow each.
@@ -243,8 +245,8 @@ private:
         const auto need = [&](bool shown, const char* words) {
             if (!shown) missing += (missing.empty() ? "" : ", ") + std::string(words);
         };
-        need(raised > 0.08, "raise both arms to the side and up");
-        need(bent > 50, "bend both elbows");
+        need(raised > kRaised, "raise both arms to the side and up");
+        need(bent > kBentDeg, "bend both elbows");
         if (!missing.empty()) add("moves", formatText("Film these moves too: {}", missing));
     }
 
