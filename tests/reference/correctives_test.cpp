@@ -31,7 +31,8 @@ TEST(Correctives, clearanceIsTheReferees) {
     Jobs jobs(1);
     PosedMesh mesh;
     double worst = 0, pushed = 0;
-    for (const Pose& pose : {test::stride(0, 0), test::stride(0.5f, -0.4f), test::stride(1, -0.3f), test::stride(-0.6f, 1.3f)}) {
+    const Pose thin = test::stride(2.2f, -2.2f);  // its blends of both thighs have no volume: nothing can be pushed there
+    for (const Pose& pose : {test::stride(0, 0), test::stride(0.5f, -0.4f), test::stride(1, -0.3f), test::stride(-0.6f, 1.3f), thin}) {
         mesh.pose({avatar.joints, avatar.mesh, avatar.correctives, {}, nullptr, {}, &clearance}, pose, jobs);
         const std::vector<glm::dvec3> want = referenceSkin(avatar, pose);
         for (size_t v = 0; v < want.size(); ++v) worst = std::max(worst, glm::length(glm::dvec3(mesh.positions()[v]) - want[v]));
