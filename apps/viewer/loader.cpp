@@ -5,6 +5,7 @@
 
 #include "apps/shared/pictures.h"
 #include "apps/viewer/file_kind.h"
+#include "apps/viewer/sample.h"
 #include "sdk/core/files.h"
 
 namespace dpl {
@@ -22,9 +23,17 @@ Loader::~Loader() {
 }
 
 void Loader::load(std::string path, DplAvatar motionOf) {
+    add({std::move(path), motionOf});
+}
+
+void Loader::loadSample() {
+    add({"the sample avatar", nullptr, true});
+}
+
+void Loader::add(Task task) {
     {
         std::lock_guard lock(mutex_);
-        tasks_.push_back({std::move(path), motionOf});
+        tasks_.push_back(std::move(task));
     }
     changed_.notify_all();
 }
@@ -80,9 +89,18 @@ LoadedFile Loader::loadOne(const Task& task) {
         out.error = out.file + ": " + why;
         return std::move(out);
     };
-    auto bytes = readFile(task.path);
+    std::filesystem::path path = task.path;
+    if (task.sample) {
+        const auto program = doppelProgram();
+        if (!program) return failed(program.error().message);
+        const std::filesystem::path folder = cacheFolder_.empty() ? std::filesystem::temp_directory_path().string() : cacheFolder_;
+        const auto made = sampleAvatar(*program, folder, stop_);
+        if (!made) return failed(made.error().message);
+        path = *made;
+    }
+    auto bytes = readFile(path);
     if (!bytes) return failed(bytes.error().message);
-    switch (fileKindOf(*bytes, task.path)) {
+    switch (fileKindOf(*bytes, path.string())) {
         case FileKind::Subject: {
             auto load = context_->startLoad(std::move(*bytes));
             if (!load) return failed(load.error().message);

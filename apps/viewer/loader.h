@@ -2,6 +2,7 @@
 // Makes the context and loads files on a thread of its own, one after the other, so that the window never waits.
 #pragma once
 
+#include <atomic>
 #include <condition_variable>
 #include <deque>
 #include <doppel/doppel.hpp>
@@ -38,6 +39,8 @@ public:
 
     /** A motion is loaded onto `motionOf`; if that is NULL, onto the avatar that was loaded last. */
     void load(std::string path, DplAvatar motionOf);
+    /** Loads the built-in sample avatar. The program `doppel` makes it the first time, which takes seconds. */
+    void loadSample();
 
     /** Set once the context is ready. */
     std::optional<DoppelOnShell> doppel() const;
@@ -50,9 +53,11 @@ private:
     struct Task {
         std::string path;
         DplAvatar motionOf = nullptr;
+        bool sample = false;
     };
     void run();
     Status makeContext();
+    void add(Task task);
     LoadedFile loadOne(const Task& task);
     bool ends(const doppel::Load& load, const std::string& file);
 
@@ -68,7 +73,7 @@ private:
     std::vector<LoadedFile> done_;
     std::optional<DoppelOnShell> ready_;
     std::string atHand_ = "the renderer";
-    bool stop_ = false;
+    std::atomic<bool> stop_{false};
     std::thread thread_;  // last: it uses all of the above
 };
 

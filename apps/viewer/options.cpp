@@ -44,7 +44,8 @@ std::optional<ViewerOptions> readOptions(int argc, const char* const* argv, int*
         "  doppel-viewer guitar.ply --axes y-down --room none\n"
         "  doppel-viewer ada.glb --clip walk --screenshot ada.png --size 1280x800 --frames 30 --room bright --hide-panels\n"
         "  doppel-viewer ada.glb --turntable ada.mp4\n"
-        "Mouse: drag turns, right or middle drag moves, wheel zooms. Keys: space plays, F frames, H hides panels, P saves a picture.\n"
+        "Mouse: drag turns, right or middle drag moves, wheel zooms to the cursor, a double click turns around that place. Keys: F1 lists "
+        "them.\n"
         "Exit codes: 0 done, 1 failed (the sentence says why), 2 wrong arguments.");
     *exitCode = 0;
     try {

@@ -14,6 +14,12 @@ Mat3d OrbitCamera::worldFromView() const {
     return Mat3d(right, glm::cross(-back, right), -back);
 }
 
+Vec3d OrbitCamera::offsetM(double rightPx, double downPx, double heightPx) const {
+    const double metresPerPixel = 2 * distanceM_ * std::tan(fovYRad_ / 2) / heightPx;
+    const Mat3d axes = worldFromView();
+    return metresPerPixel * (rightPx * axes[0] + downPx * axes[1]);
+}
+
 void OrbitCamera::orbit(double rightPx, double downPx, double heightPx) {
     const double perPixel = std::numbers::pi / heightPx;
     azimuthRad_ = std::remainder(azimuthRad_ - rightPx * perPixel, 2 * std::numbers::pi);
@@ -21,13 +27,24 @@ void OrbitCamera::orbit(double rightPx, double downPx, double heightPx) {
 }
 
 void OrbitCamera::pan(double rightPx, double downPx, double heightPx) {
-    const double metresPerPixel = 2 * distanceM_ * std::tan(kFovYRad / 2) / heightPx;
-    const Mat3d axes = worldFromView();
-    middle_ -= metresPerPixel * (rightPx * axes[0] + downPx * axes[1]);
+    middle_ -= offsetM(rightPx, downPx, heightPx);
 }
 
-void OrbitCamera::zoom(double steps) {
+void OrbitCamera::zoom(double steps, double rightPx, double downPx, double heightPx) {
+    const Vec3d held = middle_ + offsetM(rightPx, downPx, heightPx);
     distanceM_ = std::clamp(distanceM_ * std::pow(0.9, steps), kMinDistanceM, kMaxDistanceM);
+    middle_ = held - offsetM(rightPx, downPx, heightPx);
+}
+
+void OrbitCamera::lookCloserAt(const Vec3d& point) {
+    middle_ = point;
+    distanceM_ = std::max(0.5 * distanceM_, kMinDistanceM);
+}
+
+void OrbitCamera::setFovY(double rad) {
+    const double before = std::tan(fovYRad_ / 2);
+    fovYRad_ = std::clamp(rad, kLeastFovYRad, kMostFovYRad);
+    distanceM_ = std::clamp(distanceM_ * before / std::tan(fovYRad_ / 2), kMinDistanceM, kMaxDistanceM);
 }
 
 void OrbitCamera::keepAway(double leastM) {
@@ -38,7 +55,7 @@ void OrbitCamera::frame(const WorldBox& box, double aspect) {
     constexpr double kMargin = 1.12;
     const Vec3d half = 0.5 * (box.high - box.low);
     const double across = std::hypot(half.x, half.z), tall = half.y * std::cos(elevationRad_) + across * std::abs(std::sin(elevationRad_));
-    const double tangent = std::tan(kFovYRad / 2);
+    const double tangent = std::tan(fovYRad_ / 2);
     middle_ = 0.5 * (box.low + box.high);
     distanceM_ = std::clamp(kMargin * std::max(tall / tangent, across / (tangent * aspect)) + across, kMinDistanceM, kMaxDistanceM);
 }
@@ -47,7 +64,7 @@ Camerad OrbitCamera::camera(uint32_t widthPx, uint32_t heightPx, double centreXP
     const Mat3d axes = worldFromView();
     Camerad camera;
     camera.widthPx = widthPx, camera.heightPx = heightPx;
-    camera.fx = camera.fy = 0.5 * heightPx / std::tan(kFovYRad / 2);
+    camera.fx = camera.fy = 0.5 * heightPx / std::tan(fovYRad_ / 2);
     camera.cx = centreXPx, camera.cy = 0.5 * heightPx;
     camera.viewFromWorldRotation = glm::transpose(axes);
     camera.viewFromWorldTranslation = -(camera.viewFromWorldRotation * (middle_ - distanceM_ * axes[2]));

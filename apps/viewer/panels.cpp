@@ -11,7 +11,7 @@
 namespace dpl {
 namespace {
 
-constexpr float kLeftWidth = 292, kRightWidth = 268, kGap = 12;
+constexpr float kLeftWidth = 292, kRightWidth = 268, kGap = 12, kTimelineHeight = 46, kWidestTimeline = 760;
 const ImVec4 kError{1.0f, 0.52f, 0.45f, 1}, kQuiet{0.62f, 0.66f, 0.72f, 1};
 
 /** Opens a panel at a corner that grows with its content as far as the window allows. */
@@ -37,11 +37,17 @@ void quiet(const char* format, double a = 0, double b = 0) {
 }
 
 void subjectList(ViewerState& state) {
-    if (state.subjects.empty() && state.atHand.empty())
+    if (state.subjects.empty() && state.atHand.empty()) {
         ImGui::TextWrapped("Drop an avatar (.glb) or splats (.ply, .spz, .glb) on the window.");
+        if (ImGui::Button("Load the sample", {-1, 0})) state.wantsSample = true;
+        if (ImGui::IsItemHovered()) ImGui::SetTooltip("An avatar that comes with Doppel; it is made the first time, in seconds");
+    }
     for (size_t i = 0; i < state.subjects.size(); ++i) {
         const ViewedSubject& subject = state.subjects[i];
         ImGui::PushID(int(i));
+        ImGui::Checkbox("##shown", &state.subjects[i].shown);
+        if (ImGui::IsItemHovered()) ImGui::SetTooltip(subject.shown ? "Hide %s" : "Show %s", subject.file.c_str());
+        ImGui::SameLine();
         const float crossWidth = ImGui::CalcTextSize("x").x + 2 * ImGui::GetStyle().FramePadding.x;
         const float rowWidth = ImGui::GetContentRegionAvail().x - crossWidth - ImGui::GetStyle().ItemSpacing.x;
         if (ImGui::Selectable(subject.file.c_str(), state.selected == i, 0, {rowWidth, 0})) state.selected = i;
@@ -58,10 +64,10 @@ void subjectList(ViewerState& state) {
 void clipControls(ViewerState& state, ViewedSubject& subject) {
     const char* shown = subject.clip ? subject.clips[*subject.clip].name.c_str() : "rest pose";
     if (ImGui::BeginCombo("##clip", shown)) {
-        if (ImGui::Selectable("rest pose", !subject.clip)) subject.clip.reset();
+        if (ImGui::Selectable("rest pose", !subject.clip)) state.wantsClip.emplace(std::nullopt);
         for (uint32_t i = 0; i < subject.clips.size(); ++i) {
             ImGui::PushID(int(i));
-            if (ImGui::Selectable(subject.clips[i].name.c_str(), subject.clip == i)) subject.clip = i;
+            if (ImGui::Selectable(subject.clips[i].name.c_str(), subject.clip == i)) state.wantsClip.emplace(i);
             ImGui::PopID();
         }
         ImGui::EndCombo();
@@ -70,27 +76,64 @@ void clipControls(ViewerState& state, ViewedSubject& subject) {
         if (subject.clips.empty()) quiet("Drop a motion (.bvh, .glb) to add a clip.");
         return;
     }
-    const double durationS = subject.clips[*subject.clip].durationS;
-    if (ImGui::Button(state.playback.playing ? "Pause" : "Play", {64, 0})) state.playback.playing = !state.playback.playing;
-    ImGui::SameLine();
-    float timeS = float(timeInClip(state.playback.timeS, durationS));
-    if (ImGui::SliderFloat("##time", &timeS, 0, float(durationS), "%.2f s")) state.playback.timeS = timeS, state.playback.playing = false;
-    float speed = float(state.playback.speed);
-    if (ImGui::SliderFloat("##speed", &speed, -2, 2, "speed %.2f")) state.playback.speed = speed;
-    if (ImGui::IsItemHovered()) ImGui::SetTooltip("Ctrl and click to type a number");
     ImGui::SliderFloat("##stiffness", &subject.clothStiffness, 0, 10, "cloth stiffness %.1f", ImGuiSliderFlags_AlwaysClamp);
     if (ImGui::IsItemHovered()) ImGui::SetTooltip("1: clothes move as learned; stiffer ones swing and lag less");
+    if (ImGui::Button("Settle clothes", {-1, 0}))
+        if (const auto settled = subject.avatar.settle(); !settled) state.messages.error(settled.error().message);
+    if (ImGui::IsItemHovered()) ImGui::SetTooltip("Clothes forget how the avatar moved until now");
+}
+
+/** Play, time, loop and speed of all clips; the length is that of the chosen avatar's. */
+void timeline(ViewerState& state, float width, float height) {
+    const ViewedSubject* chosen = state.chosen();
+    if (!chosen || !chosen->clip) return;
+    const FreeSpan free = freeSpan(state, width);
+    const float wide = std::min(kWidestTimeline, free.right - free.left - 2 * kGap);
+    ImGui::SetNextWindowPos({0.5f * (free.left + free.right), height - kGap}, ImGuiCond_Always, {0.5f, 1});
+    ImGui::SetNextWindowSize({wide, 0}, ImGuiCond_Always);
+    ImGui::Begin("##timeline", nullptr,
+                 ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoSavedSettings |
+                     ImGuiWindowFlags_NoFocusOnAppearing | ImGuiWindowFlags_NoScrollbar);
+    Playback& clock = state.playback;
+    const double durationS = chosen->clips[*chosen->clip].durationS;
+    if (ImGui::Button(clock.playing ? "Pause" : "Play", {64, 0})) {
+        clock.playing = !clock.playing;
+        if (clock.playing && !clock.loop && clock.timeS >= durationS) clock.timeS = 0;
+    }
+    if (ImGui::IsItemHovered()) ImGui::SetTooltip("The space bar does it too");
+    ImGui::SameLine();
+    ImGui::PushItemWidth(std::max(40.0f, ImGui::GetContentRegionAvail().x - 172));
+    float timeS = float(timeInClip(clock.timeS, durationS, clock.loop));
+    if (ImGui::SliderFloat("##time", &timeS, 0, float(durationS), "%.2f s")) clock.timeS = timeS, clock.playing = false;
+    ImGui::PopItemWidth();
+    ImGui::SameLine();
+    ImGui::Checkbox("loop", &clock.loop);
+    ImGui::SameLine();
+    ImGui::PushItemWidth(-1);
+    float speed = float(clock.speed);
+    if (ImGui::DragFloat("##speed", &speed, 0.01f, -2, 2, "%.2f x", ImGuiSliderFlags_AlwaysClamp)) clock.speed = speed;
+    if (ImGui::IsItemHovered()) ImGui::SetTooltip("Speed: drag sideways, or double click to type; below 0 it plays backwards");
+    ImGui::PopItemWidth();
+    ImGui::End();
 }
 
 void jointList(ViewedSubject& subject) {
     if (ImGui::Button("All as in the clip", {-1, 0})) std::fill(subject.byHandDeg.begin(), subject.byHandDeg.end(), Vec3f(0));
     ImGui::BeginChild("joints", {0, std::min(240.0f, 52.0f * float(subject.joints.size()))});
     ImGui::PushItemWidth(-1);
-    for (size_t i = 0; i < subject.joints.size(); ++i) {
-        ImGui::PushID(int(i));
-        ImGui::TextUnformatted(subject.joints[i].c_str());
-        ImGui::SliderFloat3("##angles", &subject.byHandDeg[i].x, -180, 180, "%.0f°");
-        ImGui::PopID();
+    for (size_t region = 0; region < kBodyRegions; ++region) {
+        const auto here = [&](size_t joint) { return size_t(subject.regions[joint]) == region; };
+        bool any = false;
+        for (size_t i = 0; i < subject.joints.size() && !any; ++i) any = here(i);
+        if (!any || !ImGui::TreeNodeEx(nameOf(BodyRegion(region)), ImGuiTreeNodeFlags_SpanAvailWidth)) continue;
+        for (size_t i = 0; i < subject.joints.size(); ++i) {
+            if (!here(i)) continue;
+            ImGui::PushID(int(i));
+            ImGui::TextUnformatted(subject.joints[i].c_str());
+            ImGui::SliderFloat3("##angles", &subject.byHandDeg[i].x, -180, 180, "%.0f°");
+            ImGui::PopID();
+        }
+        ImGui::TreePop();
     }
     ImGui::PopItemWidth();
     ImGui::EndChild();
@@ -111,6 +154,19 @@ void pictureControls(ViewerState& state) {
                 if (ImGui::Selectable(axes.c_str(), state.axes == axes)) state.axes = axes, state.wantsFrame = true;
             ImGui::EndCombo();
         }
+    float lensDeg = glm::degrees(float(state.camera.fovYRad()));
+    if (ImGui::SliderFloat("##lens", &lensDeg, glm::degrees(float(OrbitCamera::kLeastFovYRad)),
+                           glm::degrees(float(OrbitCamera::kMostFovYRad)), "lens %.0f°", ImGuiSliderFlags_AlwaysClamp))
+        state.camera.setFovY(glm::radians(double(lensDeg)));
+    if (ImGui::IsItemHovered())
+        ImGui::SetTooltip("Field of view: narrow as a portrait lens, wide as a phone's. The person keeps their size");
+    const float half = (ImGui::GetContentRegionAvail().x - ImGui::GetStyle().ItemSpacing.x) / 2;
+    if (ImGui::Button("Screenshot", {half, 0})) state.wantsScreenshot = true;
+    ImGui::SameLine();
+    if (ImGui::Button("Turntable", {half, 0})) state.wantsTurntable = true;
+    if (ImGui::IsItemHovered()) ImGui::SetTooltip("A video of one turn around, in the folder from which the viewer was started");
+    if (ImGui::Button("Keys and mouse (F1)", {-1, 0})) state.help = !state.help;
+    if (!ImGui::CollapsingHeader("For engineers")) return;
     ImGui::SliderFloat("##detail", &state.splatsPerPixel, 0, 24,
                        state.splatsPerPixel > 0 ? "detail %.1f splats a pixel" : "detail: all splats");
     ImGui::SliderFloat("##budget", &state.frameBudgetMs, 0, 50, state.frameBudgetMs > 0 ? "budget %.1f ms a frame" : "no frame budget");
@@ -118,10 +174,7 @@ void pictureControls(ViewerState& state) {
                        state.magnification <= 0 ? "come as near as you like"
                        : state.keptAway         ? "details %.0f pixels wide: no nearer"
                                                 : "details at most %.0f pixels wide");
-    const float half = (ImGui::GetContentRegionAvail().x - ImGui::GetStyle().ItemSpacing.x) / 2;
-    if (ImGui::Button("Screenshot", {half, 0})) state.wantsScreenshot = true;
-    ImGui::SameLine();
-    if (ImGui::Button("Turntable", {half, 0})) state.wantsTurntable = true;
+    if (ImGui::IsItemHovered()) ImGui::SetTooltip("How near the camera may come before it shows more than the scan has seen; 0: no limit");
 }
 
 const char* textOf(DplBudgetState budget) {
@@ -177,25 +230,60 @@ void drawPanels(ViewerState& state, float width, float height) {
     beginPanel("Avatars", kGap, kGap, kLeftWidth, height - 2 * kGap);
     subjectList(state);
     if (ViewedSubject* subject = state.chosen(); subject && subject->isAvatar()) {
+        ImGui::SliderFloat("##turned", &subject->turnedDeg, -180, 180, "turned by %.0f°", ImGuiSliderFlags_AlwaysClamp);
         if (ImGui::CollapsingHeader("Clip", ImGuiTreeNodeFlags_DefaultOpen)) clipControls(state, *subject);
-        if (ImGui::CollapsingHeader("Joints by hand", ImGuiTreeNodeFlags_DefaultOpen)) jointList(*subject);
+        if (ImGui::CollapsingHeader("Joints by hand")) jointList(*subject);
     }
     endPanel();
+    timeline(state, width, height);
     if (width < kLeftWidth + kRightWidth + 3 * kGap) return;  // no room for the second column
     const float x = width - kRightWidth - kGap;
     beginPanel("Picture", x, kGap, kRightWidth, height - 2 * kGap);
     pictureControls(state);
     const float used = endPanel();
     if (state.subjects.empty()) return;
+    ImGui::SetNextWindowCollapsed(true, ImGuiCond_Once);
     beginPanel("Timings", x, used + 2 * kGap, kRightWidth, height - used - 3 * kGap);
     timings(state);
     endPanel();
 }
 
+void drawHelp(ViewerState& state, float width, float height) {
+    if (!state.help) return;
+    static constexpr const char* kWays[][2] = {
+        {"drag", "turn around the middle"},
+        {"right or middle button", "move sideways; shift and drag too"},
+        {"wheel", "nearer to the cursor, farther"},
+        {"double click", "turn around this place, from nearer"},
+        {"1  2  3", "body, face, one hand, then the other"},
+        {"F", "show everything"},
+        {"space", "play, pause"},
+        {"H", "hide or show the panels"},
+        {"P", "save a picture without panels"},
+        {"F1", "this list"},
+    };
+    ImGui::SetNextWindowPos({width / 2, height / 2}, ImGuiCond_Always, {0.5f, 0.5f});
+    bool open = true;
+    ImGui::Begin(
+        "Keys and mouse", &open,
+        ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoCollapse | ImGuiWindowFlags_NoSavedSettings);
+    if (ImGui::BeginTable("ways", 2, ImGuiTableFlags_SizingFixedFit)) {
+        for (const auto& way : kWays)
+            for (const char* text : way) {
+                ImGui::TableNextColumn();
+                ImGui::TextUnformatted(text);
+            }
+        ImGui::EndTable();
+    }
+    ImGui::End();
+    state.help = open;
+}
+
 void drawMessages(ViewerState& state, float width, float height) {
     if (state.messages.lines().empty()) return;
     const float wide = std::min(640.0f, width - 2 * kGap);
-    ImGui::SetNextWindowPos({width / 2, height - kGap}, ImGuiCond_Always, {0.5f, 1});
+    const bool bar = state.panels && state.chosen() && state.chosen()->clip;
+    ImGui::SetNextWindowPos({width / 2, height - kGap - (bar ? kTimelineHeight + kGap : 0)}, ImGuiCond_Always, {0.5f, 1});
     ImGui::SetNextWindowSizeConstraints({wide, 0}, {wide, FLT_MAX});
     ImGui::Begin("##messages", nullptr,
                  ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoTitleBar |

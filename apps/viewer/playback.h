@@ -7,14 +7,15 @@ namespace dpl {
 struct Playback {
     double timeS = 0;
     double speed = 1;  // negative: backwards
-    bool playing = true;
+    bool playing = true, loop = true;
 
     void advance(double seconds) {
         if (playing) timeS += speed * seconds;
     }
 };
 
-/** timeS brought into a clip that repeats: from 0 to below durationS. 0 for a clip without length. */
-double timeInClip(double timeS, double durationS);
+/** timeS brought into a clip: repeated, from 0 to below durationS; or, without loop, held at its first and last pose. 0 for a clip without
+ *  length. */
+double timeInClip(double timeS, double durationS, bool loop = true);
 
 }  // namespace dpl

@@ -4,6 +4,7 @@
 
 #include <map>
 
+#include "apps/viewer/focus.h"
 #include "apps/viewer/messages.h"
 #include "apps/viewer/orbit_camera.h"
 #include "apps/viewer/playback.h"
@@ -29,14 +30,17 @@ struct ViewerState {
     float splatsPerPixel = 0, frameBudgetMs = 0;  // 0: off
     float magnification = 8;                      // of the scan's finest details, at most; 0: no limit
     bool keptAway = false;                        // the limit holds the camera back in this frame
-    bool panels = true;
+    bool panels = true, help = false;
     Messages messages;
     Figures figures;
     std::string rendererName, atHand;  // atHand: what is being loaded, or ""
 
     // Wishes of the user, which the viewer fulfils and takes back.
     bool wantsScreenshot = false, wantsTurntable = false, wantsFrame = false;
+    bool wantsSample = false;
     std::optional<size_t> wantsRemoval;
+    std::optional<SeenPart> wantsPart;                 // of the selected avatar, to be seen from near
+    std::optional<std::optional<uint32_t>> wantsClip;  // for the selected avatar; within: nothing is the rest pose
 
     ViewedSubject* chosen() { return selected < subjects.size() ? &subjects[selected] : nullptr; }
 };

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "apps/viewer/subject.h"
 
+#include <cmath>
+
 #include "apps/shared/change_pose.h"
 #include "apps/shared/pictures.h"
 
@@ -20,11 +22,15 @@ Result<ViewedSubject> ViewedSubject::of(doppel::Avatar avatar, std::string file)
     if (!axes) return fromSdk(axes.error());
     made.axes = *axes;
     made.file = std::move(file);
+    std::vector<std::string> bones;
+    std::vector<int32_t> parents;
     for (uint32_t i = 0; i < info->jointCount; ++i) {
         auto joint = made.avatar.joint(i);
         if (!joint) return fromSdk(joint.error());
         made.joints.push_back(joint->name);
+        bones.push_back(joint->humanoidBone), parents.push_back(joint->parent);
     }
+    made.regions = regionsOf(bones, parents);
     made.byHandDeg.resize(made.joints.size(), Vec3f(0));
     made.rotations_.resize(made.joints.size() * 4);
     if (info->clipCount > 0) DPL_RETURN_IF_ERROR(made.takeNewClip());
@@ -46,13 +52,40 @@ Status ViewedSubject::takeNewClip() {
     return {};
 }
 
-Status ViewedSubject::pose(double timeS) {
-    if (auto set = avatar.setTransform(standing(upright, asideM)); !set) return fromSdk(set.error());
+void ViewedSubject::play(std::optional<uint32_t> other, double nowS) {
+    if (other == clip) return;
+    fadesFrom_ = clip, fadeBeganS_ = nowS;
+    clip = other;
+}
+
+Status ViewedSubject::poseByClips(const Playback& clock, double nowS) {
+    const auto timeIn = [&](uint32_t i) { return timeInClip(clock.timeS, clips[i].durationS, clock.loop); };
+    const double share = (nowS - fadeBeganS_) / kFadeS;
+    if (!fadesFrom_ || !(share >= 0 && share < 1)) {
+        fadesFrom_.reset();
+        const auto set = avatar.setPoseFromClip(*clip, timeIn(*clip), clock.loop);
+        return set ? Status() : fromSdk(set.error());
+    }
+    const auto weight = float(share * share * (3 - 2 * share));
+    const uint32_t flags = clock.loop ? DPL_LAYER_LOOP : 0;
+    const DplClipLayer both[] = {doppel::clipLayer(*fadesFrom_, timeIn(*fadesFrom_), 1 - weight, 0, flags),
+                                 doppel::clipLayer(*clip, timeIn(*clip), weight, 0, flags)};
+    const auto set = avatar.setPoseFromClips(both, int64_t(nowS * 1e9));
+    return set ? Status() : fromSdk(set.error());
+}
+
+Mat3d ViewedSubject::stand() const {
+    const double turn = glm::radians(double(turnedDeg)), c = std::cos(turn), s = std::sin(turn);
+    return Mat3d(c, 0, -s, 0, 1, 0, s, 0, c) * upright;
+}
+
+Status ViewedSubject::pose(const Playback& clock, double nowS) {
+    if (auto set = avatar.setTransform(standing(stand(), asideM)); !set) return fromSdk(set.error());
     if (!isAvatar()) return {};
     if (auto set = avatar.setClothStiffness(clothStiffness); !set) return fromSdk(set.error());
     float root[3] = {};
     if (clip) {
-        if (auto set = avatar.setPoseFromClip(*clip, timeInClip(timeS, clips[*clip].durationS)); !set) return fromSdk(set.error());
+        DPL_RETURN_IF_ERROR(poseByClips(clock, nowS));
         if (dplGetPose(avatar.handle(), rotations_.data(), uint32_t(joints.size()), root) != DPL_OK)
             return fail(Code::Internal, "{}", dplGetLastError());
     } else {
@@ -69,9 +102,15 @@ Status ViewedSubject::pose(double timeS) {
 }
 
 WorldBox ViewedSubject::box() const {
-    const Vec3d aside(asideM, 0, 0), a = aside + upright * Vec3d(info.restMin[0], info.restMin[1], info.restMin[2]),
-                                     b = aside + upright * Vec3d(info.restMax[0], info.restMax[1], info.restMax[2]);
-    return {glm::min(a, b), glm::max(a, b)};  // a quarter turn keeps the box axis-aligned
+    const Mat3d turn = stand();
+    WorldBox box{Vec3d(INFINITY), Vec3d(-INFINITY)};
+    for (uint32_t corner = 0; corner < 8; ++corner) {
+        Vec3d at;
+        for (int k = 0; k < 3; ++k) at[k] = corner >> k & 1 ? info.restMax[k] : info.restMin[k];
+        at = Vec3d(asideM, 0, 0) + turn * at;
+        box = {glm::min(box.low, at), glm::max(box.high, at)};
+    }
+    return box;
 }
 
 double ViewedSubject::nearestM(const Vec3d& point, const Vec3d& eye, double focalPx, double magnification) const {

@@ -4,6 +4,7 @@
 
 #include <doppel/doppel.hpp>
 
+#include "apps/viewer/joint_regions.h"
 #include "apps/viewer/orbit_camera.h"
 #include "apps/viewer/playback.h"
 #include "sdk/core/result.h"
@@ -24,9 +25,12 @@ struct ViewedSubject {
     bool isAvatar() const { return !joints.empty(); }  // general splats have no joints
     /** Reads the list of clips again and plays the last one. */
     Status takeNewClip();
-    /** Stands it upright and moved aside, then poses it: the clip at timeS, and the angles on top. General splats have no pose. */
-    Status pose(double timeS);
-    /** Of its rest box and its place, in the world. */
+    /** Plays another clip, or the rest pose, from nowS on. Two clips cross-fade. */
+    void play(std::optional<uint32_t> other, double nowS);
+    /** Stands it upright, turned and moved aside, then poses it: the clip at the time that the clock says, and the angles on top. General
+     *  splats have no pose. nowS: seconds of any clock that never goes back, for cross-fades. */
+    Status pose(const Playback& clock, double nowS);
+    /** Around its rest box as it stands, in the world. */
     WorldBox box() const;
     /** How near an eye may come to `point` before it magnifies what the scan saw more than so many times (dplGetNearestDistance), metres.
      *  0 for splats and for files without a capture map. */
@@ -39,13 +43,23 @@ struct ViewedSubject {
     std::vector<Clip> clips;
     std::optional<uint32_t> clip;     // nothing: the rest pose
     std::vector<std::string> joints;  // names
+    std::vector<BodyRegion> regions;  // of each joint
     std::vector<Vec3f> byHandDeg;     // for each joint
     float clothStiffness = 1;         // of dplSetClothStiffness
-    double asideM = 0;                // along +X of the world
-    Mat3d upright{1};                 // world from avatar space: a quarter turn
+    bool shown = true;
+    double asideM = 0;    // along +X of the world
+    float turnedDeg = 0;  // about the vertical: a quarter turn takes +Z to +X
+    Mat3d upright{1};     // world from avatar space: a quarter turn
 
 private:
     explicit ViewedSubject(doppel::Avatar owned) : avatar(std::move(owned)) {}
+    /** Seconds for a cross-fade. */
+    static constexpr double kFadeS = 0.3;
+    Mat3d stand() const;
+    Status poseByClips(const Playback& clock, double nowS);
+
+    std::optional<uint32_t> fadesFrom_;
+    double fadeBeganS_ = 0;
     std::vector<float> rotations_;
 };
 

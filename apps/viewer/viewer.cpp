@@ -9,7 +9,6 @@
 #include <numbers>
 
 #include "apps/shared/pictures.h"
-#include "apps/viewer/panels.h"
 #include "apps/viewer/room_plan.h"
 #include "reconstruction/base/sdk_camera.h"
 
@@ -17,6 +16,7 @@ namespace dpl {
 namespace {
 
 constexpr double kScriptStepS = 1.0 / 30;
+constexpr int kF1 = 290;  // GLFW's code
 
 /** Where self-tests of drivers are kept between runs; empty if there is no such folder. */
 std::string cacheFolder() {
@@ -96,6 +96,7 @@ Status Viewer::frame() {
     const bool panels = state_.panels && !turntable_ && screenshot_.empty();
     state_.messages.tick(nowS());
     if (panels) drawPanels(state_, size.x, size.y);
+    if (!turntable_ && screenshot_.empty()) drawHelp(state_, size.x, size.y);
     drawMessages(state_, size.x, size.y);
 
     platform::FrameContents what = contents();
@@ -111,16 +112,24 @@ Status Viewer::frame() {
     return afterDraw(shell_->shown() > before, rgb);
 }
 
+FreeSpan Viewer::freeNow() const {
+    const float width = ImGui::GetIO().DisplaySize.x;
+    return turntable_ || !screenshot_.empty() ? FreeSpan{0, width} : freeSpan(state_, width);
+}
+
+Camerad Viewer::cameraNow() const {
+    const VkExtent2D size = shell_->picturePx();
+    const FreeSpan free = freeNow();
+    return state_.camera.camera(size.width, size.height, 0.5 * (free.left + free.right) * ImGui::GetIO().DisplayFramebufferScale.x);
+}
+
 platform::FrameContents Viewer::contents() {
     platform::FrameContents what;
-    const VkExtent2D size = shell_->picturePx();
-    const ImGuiIO& io = ImGui::GetIO();
-    const FreeSpan free = turntable_ || !screenshot_.empty() ? FreeSpan{0, io.DisplaySize.x} : freeSpan(state_, io.DisplaySize.x);
-    const Camerad camera = state_.camera.camera(size.width, size.height, 0.5 * (free.left + free.right) * io.DisplayFramebufferScale.x);
-    what.view = sdkCamera(camera.cast<float>());
+    what.view = sdkCamera(cameraNow().cast<float>());
     what.room = state_.room;
     if (const auto doppel = loader_ ? loader_->doppel() : std::nullopt) what.context = doppel->context, what.composer = doppel->composer;
     for (const ViewedSubject& subject : state_.subjects) {
+        if (!subject.shown) continue;
         what.avatars.push_back(subject.avatar.handle());
         if (!state_.room || !subject.isAvatar()) continue;
         const auto shadow = subject.avatar.contactShadow();
@@ -186,19 +195,42 @@ void Viewer::addSubject(doppel::Avatar avatar, const std::string& file) {
 void Viewer::takeInput() {
     const ImGuiIO& io = ImGui::GetIO();
     if (options_.isScript()) return;
-    for (const int key : shell_->takeKeys()) {  // GLFW's codes of letters are those of ASCII
-        if (key == ' ') state_.playback.playing = !state_.playback.playing;
-        if (key == 'F') state_.wantsFrame = true;
-        if (key == 'H') state_.panels = !state_.panels;
-        if (key == 'P') state_.wantsScreenshot = true;
-    }
+    for (const int key : shell_->takeKeys()) takeKey(key);
     if (io.WantCaptureMouse || io.DisplaySize.y <= 0) return;
     const auto drags = [&io](int button) {  // ImGui may tell of the last movement and of the release in one frame
         return (io.MouseDown[button] || io.MouseReleased[button]) && !io.MouseDownOwned[button];
     };
     if (drags(0) && !io.KeyShift) state_.camera.orbit(io.MouseDelta.x, io.MouseDelta.y, io.DisplaySize.y);
     if (drags(1) || drags(2) || (drags(0) && io.KeyShift)) state_.camera.pan(io.MouseDelta.x, io.MouseDelta.y, io.DisplaySize.y);
-    if (io.MouseWheel != 0) state_.camera.zoom(io.MouseWheel);
+    if (io.MouseWheel != 0) {
+        const FreeSpan free = freeNow();
+        state_.camera.zoom(io.MouseWheel, io.MousePos.x - 0.5 * (free.left + free.right), io.MousePos.y - 0.5 * io.DisplaySize.y,
+                           io.DisplaySize.y);
+    }
+    if (io.MouseDoubleClicked[0]) focusOn(io.MousePos.x, io.MousePos.y);
+}
+
+void Viewer::takeKey(int key) {  // GLFW's codes of letters and digits are those of ASCII
+    if (key == ' ') state_.playback.playing = !state_.playback.playing;
+    if (key == 'F') state_.wantsFrame = true;
+    if (key == 'H') state_.panels = !state_.panels;
+    if (key == 'P') state_.wantsScreenshot = true;
+    if (key == '1') state_.wantsPart = SeenPart::Whole;
+    if (key == '2') state_.wantsPart = SeenPart::Face;
+    if (key == '3') {
+        state_.wantsPart = rightHand_ ? SeenPart::RightHand : SeenPart::LeftHand;
+        rightHand_ = !rightHand_;
+    }
+    if (key == kF1) state_.help = !state_.help;
+}
+
+/** Turns around what is seen there from now on, and selects whose it is. x, y: in ImGui's coordinates. */
+void Viewer::focusOn(float x, float y) {
+    const ImVec2 scale = ImGui::GetIO().DisplayFramebufferScale;
+    const auto place = placeAt(state_.subjects, cameraNow(), {x * scale.x, y * scale.y});
+    if (!place) return;
+    state_.selected = place->subject;
+    state_.camera.lookCloserAt(place->point);
 }
 
 void Viewer::startTurntable(std::filesystem::path path) {
@@ -217,10 +249,20 @@ void Viewer::fulfilWishes() {
         state_.wantsFrame = true;
         if (state_.selected > 0 && state_.selected >= *state_.wantsRemoval) --state_.selected;
     }
+    if (ViewedSubject* chosen = state_.chosen()) {
+        if (state_.wantsClip) chosen->play(*state_.wantsClip, nowS());
+        if (state_.wantsPart) {
+            if (const auto box = boxOfPart(*chosen, *state_.wantsPart))
+                frame(*box);
+            else
+                state_.messages.info(chosen->file + " has no joint that is known as this part of a body", nowS());
+        }
+    }
+    if (state_.wantsSample && loader_) loader_->loadSample(), ++waitingFor_;
     if (state_.wantsScreenshot) screenshot_ = nextFreeName("doppel", ".png");
     if (state_.wantsTurntable && !turntable_) startTurntable(nextFreeName("turntable", ".mp4"));
-    state_.wantsRemoval.reset();
-    state_.wantsScreenshot = state_.wantsTurntable = false;
+    state_.wantsRemoval.reset(), state_.wantsClip.reset(), state_.wantsPart.reset();
+    state_.wantsScreenshot = state_.wantsTurntable = state_.wantsSample = false;
     if (options_.isScript() && !options_.turntable.empty() && scriptMayBegin() && !turntable_ && !done_) startTurntable(options_.turntable);
     if (turntable_) state_.camera.setAzimuth(turntableFromRad_ + turntable_->turnRad());
 }
@@ -242,7 +284,7 @@ Status Viewer::arrange() {
     for (ViewedSubject& subject : state_.subjects) {
         subject.upright = uprightFromLoaded(state_.axes, loadedFromFile(subject.axes));
         if (subject.isAvatar()) subject.asideM = *place++;
-        if (const Status posed = subject.pose(state_.playback.timeS); !posed) report(subject.file + ": " + posed.error().message);
+        if (const Status posed = subject.pose(state_.playback, lastS_); !posed) report(subject.file + ": " + posed.error().message);
     }
     if (state_.wantsFrame || !framed_) DPL_RETURN_IF_ERROR(frameAll());
     state_.wantsFrame = false;
@@ -262,12 +304,19 @@ void Viewer::keepAway() {
     state_.camera.keepAway(nearest);
 }
 
+/** Puts the camera before a box, in what the panels leave free. */
+void Viewer::frame(const WorldBox& box) {
+    const ImVec2 size = ImGui::GetIO().DisplaySize;
+    if (size.x <= 0 || size.y <= 0) return;  // minimised
+    const FreeSpan free = freeSpan(state_, size.x);
+    state_.camera.frame(box, double(free.right - free.left) / double(size.y));
+}
+
 /** Puts the camera before all subjects, and the room around both. */
 Status Viewer::frameAll() {
     const ImVec2 size = ImGui::GetIO().DisplaySize;
-    if (size.x <= 0 || size.y <= 0) return {};  // minimised
-    const FreeSpan free = freeSpan(state_, size.x);
-    state_.camera.frame(boxOf(state_.subjects), double(free.right - free.left) / double(size.y));
+    if (size.x <= 0 || size.y <= 0) return {};
+    frame(boxOf(state_.subjects));
     framed_ = true;
     return ofShell(shell_->buildRoom(roomAround(state_.subjects, boxOf(state_.subjects), state_.camera.distanceM())));
 }

@@ -8,6 +8,7 @@
 
 #include "apps/viewer/loader.h"
 #include "apps/viewer/options.h"
+#include "apps/viewer/panels.h"
 #include "apps/viewer/recorder.h"
 #include "apps/viewer/state.h"
 #include "apps/viewer/timings.h"
@@ -31,10 +32,15 @@ private:
     void takeFiles();
     void addSubject(doppel::Avatar avatar, const std::string& file);
     void takeInput();
+    void takeKey(int key);
+    void focusOn(float x, float y);
     void fulfilWishes();
     void advanceTime();
     Status arrange();
     Status frameAll();
+    void frame(const WorldBox& box);
+    FreeSpan freeNow() const;
+    Camerad cameraNow() const;
     Status afterDraw(bool drawn, std::vector<uint8_t>& rgb);
     void startTurntable(std::filesystem::path path);
     void refreshFigures();
@@ -54,8 +60,9 @@ private:
     const std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
     double lastS_ = 0, figuresAtS_ = -1;
     uint64_t figuresAtFrame_ = 0;
-    size_t waitingFor_ = 0;  // files that are not loaded yet
-    bool framed_ = false;    // the camera was put before the first subject
+    size_t waitingFor_ = 0;   // files that are not loaded yet
+    bool framed_ = false;     // the camera was put before the first subject
+    bool rightHand_ = false;  // is the next that is looked at
     float detailSet_ = 0, budgetSet_ = 0;
     std::optional<Turntable> turntable_;
     double turntableFromRad_ = 0;

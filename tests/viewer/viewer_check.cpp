@@ -67,7 +67,7 @@ int compose(const char* avatarPath, const char* roomPath, const char* shotPath, 
     auto avatar = context->loadAvatar(valueOf(readFile(avatarPath)));
     if (!avatar) give(avatar.error().message);
     ViewedSubject subject = valueOf(ViewedSubject::of(std::move(*avatar), "avatar"));
-    if (const Status posed = subject.pose(timeS); !posed) give(posed.error().message);
+    if (const Status posed = subject.pose({.timeS = timeS}, 0); !posed) give(posed.error().message);
 
     OrbitCamera orbit;
     orbit.frame(subject.box(), double(shot.widthPx) / shot.heightPx);

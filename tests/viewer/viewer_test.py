@@ -154,6 +154,19 @@ class Test:
             self.xdotool("mousedown", 1, "mousemove", "--window", window, 330, 205, "mousemove", "--window", window, 380, 220, "mouseup", 1)
             self.wait("dragging turns the camera", lambda: self.figures("differ", before, self.capture(window, "turned.png"))[0] > 3)
 
+            def changes(what, least, *words):
+                self.wait("the camera has come to rest", lambda: self.stands_still(window))
+                picture = self.capture(window, "before_step.png")
+                self.xdotool(*words)
+                self.wait(what, lambda: self.figures("differ", picture, self.capture(window, "after_step.png"))[0] > least)
+                return picture
+            changes("F1 lists keys and mouse", 3, "key", "--window", window, "F1")
+            changes("F1 again closes the list", 3, "key", "--window", window, "F1")
+            changes("a double click goes nearer to the place", 3, "mousemove", "--window", window, 230, 190, "click", "--repeat", 2, "--delay", 40, 1)
+            changes("the key 1 shows the whole body", 3, "key", "--window", window, "1")
+            changes("the wheel goes nearer", 1, "mousemove", "--window", window, 200, 150, "click", "--repeat", 3, "--delay", 60, 4)
+            changes("the key 3 says that no joint is a hand", 1, "key", "--window", window, "3")
+
             self.wait("the camera has come to rest", lambda: self.stands_still(window))
             broken = self.work / "broken.glb"
             before = self.capture(window, "before_drop.png")

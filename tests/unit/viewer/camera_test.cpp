@@ -104,6 +104,43 @@ TEST(OrbitCamera, zoomHasEndsAndCanBeTakenBack) {
     EXPECT_EQ(orbit.distanceM(), OrbitCamera::kMaxDistanceM);
 }
 
+TEST(OrbitCamera, zoomKeepsWhatIsUnderTheMouse) {
+    OrbitCamera orbit;
+    orbit.orbit(200, 77, kHeight);
+    const Mat3d axes = glm::transpose(cameraOf(orbit).viewFromWorldRotation);
+    const Vec3d held = orbit.middle() + 0.4 * axes[0] - 0.7 * axes[1];
+    const Vec2d px = pixelOf(orbit, held);
+    for (const double steps : {3.0, -1.5, 1000.0}) {  // to the nearest distance too
+        const double before = orbit.distanceM();
+        orbit.zoom(steps, px.x - 400, px.y - 300, kHeight);
+        EXPECT_NE(orbit.distanceM(), before);
+        EXPECT_NEAR(pixelOf(orbit, held).x, px.x, 1e-9);
+        EXPECT_NEAR(pixelOf(orbit, held).y, px.y, 1e-9);
+    }
+}
+
+TEST(OrbitCamera, anotherLensKeepsTheSizeInTheMiddle) {
+    OrbitCamera orbit;
+    const auto tall = [&] { return pixelOf(orbit, orbit.middle()).y - pixelOf(orbit, orbit.middle() + Vec3d(0, 0.01, 0)).y; };
+    const double before = tall();
+    orbit.setFovY(1.2);
+    EXPECT_DOUBLE_EQ(orbit.fovYRad(), 1.2);
+    EXPECT_NEAR(tall(), before, 0.01 * before);
+    EXPECT_LT(orbit.distanceM(), 2.2);
+    orbit.setFovY(9);
+    EXPECT_EQ(orbit.fovYRad(), OrbitCamera::kMostFovYRad);
+    orbit.setFovY(0);
+    EXPECT_EQ(orbit.fovYRad(), OrbitCamera::kLeastFovYRad);
+}
+
+TEST(OrbitCamera, looksCloserAtAPoint) {
+    OrbitCamera orbit;
+    const double before = orbit.distanceM();
+    orbit.lookCloserAt({1, 2, 3});
+    EXPECT_EQ(orbit.middle(), Vec3d(1, 2, 3));
+    EXPECT_DOUBLE_EQ(orbit.distanceM(), before / 2);
+}
+
 TEST(OrbitCamera, framesABoxFromEverySide) {
     const WorldBox boxes[] = {{{-0.8, 0, -0.2}, {0.8, 1.8, 0.2}}, {{5, -1, 2}, {15, 0, 9}}};
     for (const WorldBox& box : boxes) {

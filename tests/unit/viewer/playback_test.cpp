@@ -33,6 +33,13 @@ TEST(Playback, timeWrapsIntoTheClip) {
     }
 }
 
+TEST(Playback, withoutLoopTimeStopsAtTheEnds) {
+    EXPECT_DOUBLE_EQ(timeInClip(1.5, 2, false), 1.5);
+    EXPECT_DOUBLE_EQ(timeInClip(7.5, 2, false), 2);
+    EXPECT_DOUBLE_EQ(timeInClip(-1, 2, false), 0);
+    EXPECT_EQ(timeInClip(3, 0, false), 0);
+}
+
 TEST(Messages, errorsStayAndOtherLinesGo) {
     Messages messages;
     messages.error("broken");

@@ -34,6 +34,8 @@ protected:
     }
     static void expectNear(const Vec3f& a, const Vec3f& b) { EXPECT_LT(glm::length(a - b), 1e-5f) << a.x << ' ' << a.y << ' ' << a.z; }
 
+    static Playback at(double timeS) { return {.timeS = timeS}; }
+
     doppel::Result<doppel::Context> context_ = doppel::Context::create(DPL_RENDERER_SOFTWARE, 1);
 };
 
@@ -49,10 +51,10 @@ TEST_F(SubjectTest, playsItsFirstClipAndStandsAside) {
     ASSERT_EQ(subject.clips.size(), 1u);
     ASSERT_EQ(subject.clip, 0u);
     EXPECT_EQ(subject.joints, (std::vector<std::string>{"pelvis", "left_shoulder"}));
-    ASSERT_TRUE(subject.pose(0.5));  // half way: the root is 0.25 m up
+    ASSERT_TRUE(subject.pose(at(0.5), 0));  // half way: the root is 0.25 m up
     expectNear(jointAt(subject, 0), {0, 1.25f, 0});
     subject.asideM = -2;
-    ASSERT_TRUE(subject.pose(1.5));  // the clip repeats after 1 s
+    ASSERT_TRUE(subject.pose(at(1.5), 0));  // the clip repeats after 1 s
     expectNear(jointAt(subject, 0), {-2, 1.25f, 0});
     EXPECT_FLOAT_EQ(float(subject.box().low.x), -2.5f);
 }
@@ -66,7 +68,7 @@ TEST_F(SubjectTest, theCameraStaysWhereTheScanHasDetails) {
     subjects.push_back(std::move(plain));
     subjects.push_back(load(data));
     subjects[0].asideM = -2;
-    ASSERT_TRUE(subjects[0].pose(0));
+    ASSERT_TRUE(subjects[0].pose(at(0), 0));
     EXPECT_NEAR(nearestM(subjects, {0, 1, 0}, {0, 1, 3}, 1000, 8), 1, 0.02) << "of the avatar that is looked at";
     EXPECT_EQ(nearestM(subjects, {-2, 1, 0}, {0, 1, 3}, 1000, 8), 0);
     EXPECT_EQ(nearestM({}, {0, 1, 0}, {0, 1, 3}, 1000, 8), 0);
@@ -75,16 +77,16 @@ TEST_F(SubjectTest, theCameraStaysWhereTheScanHasDetails) {
 TEST_F(SubjectTest, anglesByHandTurnAJointOnTopOfTheClip) {
     ViewedSubject subject = load(tiny());
     subject.clip.reset();
-    ASSERT_TRUE(subject.pose(0.5));
+    ASSERT_TRUE(subject.pose(at(0.5), 0));
     expectNear(jointAt(subject, 1), {0, 1.25f, 0});
     subject.byHandDeg[0] = {0, 0, 90};  // the shoulder, 0.25 m above, goes to the avatar's right
-    ASSERT_TRUE(subject.pose(0.5));
+    ASSERT_TRUE(subject.pose(at(0.5), 0));
     expectNear(jointAt(subject, 1), {-0.25f, 1, 0});
     subject.clip = 0;
-    ASSERT_TRUE(subject.pose(0));
+    ASSERT_TRUE(subject.pose(at(0), 0));
     expectNear(jointAt(subject, 1), {-0.25f, 1, 0});
     subject.byHandDeg[0] = Vec3f(0);
-    ASSERT_TRUE(subject.pose(0));
+    ASSERT_TRUE(subject.pose(at(0), 0));
     expectNear(jointAt(subject, 1), {0, 1.25f, 0});
 }
 
@@ -93,7 +95,7 @@ TEST_F(SubjectTest, clothesRememberTheClipAsideToo) {
     data.correctives.motion.movedFromRad = 0.01f, data.correctives.motion.movedToRad = 0.02f;
     ViewedSubject subject = load(data);
     subject.asideM = -2;
-    ASSERT_TRUE(subject.pose(0.5));
+    ASSERT_TRUE(subject.pose(at(0.5), 0));
     const auto remembered = subject.avatar.motionState();
     std::vector<float> rotations(8), root(3);
     ASSERT_TRUE(subject.avatar.pose(rotations, root));
@@ -103,13 +105,60 @@ TEST_F(SubjectTest, clothesRememberTheClipAsideToo) {
     EXPECT_NE(*remembered, *forgotten);
 }
 
+TEST_F(SubjectTest, twoClipsCrossFade) {
+    AvatarData data = tiny();
+    ClipData high = data.clips[0];
+    high.name = "high";
+    high.channels.clear();
+    high.rootTranslations.assign(2, {0, 1, 0});
+    data.clips.push_back(high);
+    ViewedSubject subject = load(data);
+    const auto heightAt = [&](double nowS) {
+        EXPECT_TRUE(subject.pose(at(0), nowS));
+        return jointAt(subject, 0).y;
+    };
+    ASSERT_NEAR(heightAt(10), 1, 1e-5);
+    subject.play(1, 20);
+    EXPECT_NEAR(heightAt(20), 1, 1e-5);
+    EXPECT_NEAR(heightAt(20.15), 1.5, 1e-5);
+    EXPECT_NEAR(heightAt(20.3), 2, 1e-5);
+    EXPECT_NEAR(heightAt(20.1), 2, 1e-5) << "a fade that has ended stays ended";
+    subject.play(std::nullopt, 30);
+    EXPECT_NEAR(heightAt(30), 1, 1e-5) << "to the rest pose at once";
+    subject.play(1, 30);
+    EXPECT_NEAR(heightAt(30.15), 2, 1e-5);
+}
+
+TEST_F(SubjectTest, withoutLoopAClipEndsWhereItEnds) {
+    ViewedSubject subject = load(tiny());
+    ASSERT_TRUE(subject.pose({.timeS = 7.25, .loop = false}, 0));
+    expectNear(jointAt(subject, 0), {0, 1.5f, 0});
+    ASSERT_TRUE(subject.pose({.timeS = 7.25}, 0));
+    expectNear(jointAt(subject, 0), {0, 1.125f, 0});
+}
+
+TEST_F(SubjectTest, turnsWhereItStands) {
+    ViewedSubject subject = load(tiny());
+    subject.clip.reset();
+    subject.asideM = 2, subject.turnedDeg = 90;
+    ASSERT_TRUE(subject.pose(at(0), 0));
+    const auto rows = subject.avatar.transform();
+    ASSERT_TRUE(rows);
+    expectNear({(*rows)[2], (*rows)[6], (*rows)[10]}, {1, 0, 0});  // +Z goes to +X
+    expectNear(jointAt(subject, 1), {2, 1.25f, 0});
+    const WorldBox box = subject.box();  // a board across x, seen from its edge
+    EXPECT_NEAR(box.low.x, 2, 0.05);
+    EXPECT_NEAR(box.high.x, 2, 0.05);
+    EXPECT_NEAR(box.high.z, 0.5, 0.05);
+}
+
 TEST_F(SubjectTest, anAvatarWithoutClipsRests) {
     AvatarData data = tiny();
     data.clips.clear();
     ViewedSubject subject = load(data);
     EXPECT_TRUE(subject.clips.empty());
     EXPECT_FALSE(subject.clip);
-    EXPECT_TRUE(subject.pose(3));
+    EXPECT_TRUE(subject.pose(at(3), 0));
     expectNear(jointAt(subject, 0), {0, 1, 0});
 }
 
@@ -127,7 +176,7 @@ TEST_F(SubjectTest, axesReplaceWhatTheFileStates) {
     const auto shown = [&](const char* stated, const char* axes) {  // where the splat's place in the file, (0, 0.75, 0.25), is shown
         ViewedSubject subject = load(*writePly(one, {.axes = stated}));
         subject.upright = uprightFromLoaded(axes, loadedFromFile(subject.axes));
-        EXPECT_TRUE(subject.pose(0));
+        EXPECT_TRUE(subject.pose(at(0), 0));
         const auto rows = subject.avatar.transform();
         EXPECT_TRUE(rows);
         const Vec3d loaded = loadedFromFile(subject.axes) * Vec3d(0, 0.75, 0.25);
