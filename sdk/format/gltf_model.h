@@ -108,8 +108,8 @@ struct GltfModel {
     std::span<const uint8_t> viewBytes(uint32_t view) const { return bin.subspan(views[view].offset, views[view].length); }
 };
 
-/** Opens a .glb. Checks header and chunk lengths, then depth and size of the JSON by a SAX pass; reads the known keys; checks every
- *  index and range. The result borrows `bytes`. Throws nothing. */
+/** Opens a .glb. Checks header and chunk lengths, then depth and size of the JSON by a SAX pass; parses the known keys by tinygltf; checks
+ *  every index and range. The result borrows `bytes`. Throws nothing. */
 Result<GltfModel> parseGlb(std::span<const uint8_t> bytes, const ReadLimits& limits);
 
 /** All values of an accessor as floats, the components of an element one after another. Integers are normalised if the accessor says so;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// parseGlb. The JSON is parsed only after its size and nesting have been checked; every index and range is checked before it is used.
+// parseGlb. Libraries receive bytes only after their size, nesting and place in the file have been checked.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -10,8 +10,8 @@
 #include "sdk/core/reader.h"
 #include "sdk/format/gltf_humanoid.h"
 #include "sdk/format/gltf_model.h"
-#include "sdk/format/gltf_tables.h"
 #include "sdk/format/load_json.h"
+#include "sdk/format/tiny_gltf_parse.h"
 
 namespace dpl {
 namespace {
@@ -90,6 +90,28 @@ private:
     uint32_t depth_ = 0, values_ = 0;
 };
 
+/** A copy of `from` with the named keys only; empty if it is no object. */
+Json pick(const Json& from, std::initializer_list<const char*> keys) {
+    Json to = Json::object();
+    if (from.is_object())
+        for (const char* key : keys)
+            if (auto it = from.find(key); it != from.end()) to[key] = *it;
+    return to;
+}
+
+/** The place of a null in `value`, such as "nodes/3/scale/0". glTF has no null, and tinygltf would read 0 or a default. */
+std::optional<std::string> placeOfNull(const Json& value) {
+    if (value.is_null()) return std::string();
+    if (!value.is_structured()) return std::nullopt;
+    size_t index = 0;
+    for (auto it = value.begin(); it != value.end(); ++it, ++index)
+        if (auto place = placeOfNull(*it)) {
+            const std::string key = value.is_object() ? it.key() : std::to_string(index);
+            return place->empty() ? key : key + "/" + *place;
+        }
+    return std::nullopt;
+}
+
 /** Refuses materials that are not there. They are not read, but the file is damaged. */
 Status checkMaterials(const Json& root) {
     const auto materials = root.find("materials");
@@ -108,6 +130,76 @@ Status checkMaterials(const Json& root) {
         }
     }
     return {};
+}
+
+/** Applies `change` to each element of array `key` and limits their number. */
+template <class Change>
+Status copyArray(const Json& root, Json& out, const char* key, size_t limit, Change change) {
+    auto it = root.find(key);
+    if (it == root.end()) return {};
+    if (!it->is_array()) return fail(Code::CorruptData, "glTF '{}' is not an array", key);
+    if (it->size() > limit) return fail(Code::CorruptData, "{} entries in glTF '{}', the limit is {}", it->size(), key, limit);
+    Json& to = out[key] = Json::array();
+    for (const Json& element : *it) {
+        if (!element.is_object()) return fail(Code::CorruptData, "an entry of glTF '{}' is not an object", key);
+        to.push_back(change(element));
+    }
+    return {};
+}
+
+struct DracoLink {
+    size_t mesh, primitive;
+    int64_t indices, view;
+    std::map<std::string, uint32_t> attributes;
+};
+
+struct SplattingLink {
+    size_t mesh, primitive;
+    GltfSplatting splatting;
+};
+
+/** Data of primitives that bypasses tinygltf. */
+struct PrimitiveLinks {
+    std::vector<DracoLink> draco;
+    std::vector<SplattingLink> splatting;
+};
+
+int64_t integerAt(const Json& object, const char* key) {
+    auto it = object.find(key);
+    return it != object.end() && it->is_number_integer() && it->is_number_unsigned()
+               ? int64_t(std::min<uint64_t>(it->get<uint64_t>(), 1ull << 40))
+               : -1;
+}
+
+void textAt(const Json& object, const char* key, std::string& text) {
+    if (auto it = object.find(key); it != object.end()) text = it->is_string() ? it->get<std::string>() : "?";
+}
+
+GltfSplatting splattingOf(const Json& extension) {
+    GltfSplatting out;
+    textAt(extension, "kernel", out.kernel), textAt(extension, "colorSpace", out.colorSpace);
+    textAt(extension, "projection", out.projection), textAt(extension, "sortingMethod", out.sortingMethod);
+    if (auto inner = extension.find("extensions"); inner != extension.end() && inner->is_object() && !inner->empty())
+        out.extension = inner->begin().key();
+    return out;
+}
+
+/** Copies the known keys of a primitive. tinygltf refuses indices without a view, so those of Draco primitives go to `links`. */
+Json copyPrimitive(const Json& from, size_t mesh, size_t primitive, PrimitiveLinks& links) {
+    Json to = pick(from, {"attributes", "indices", "mode", "targets"});
+    const auto extensions = from.find("extensions");
+    if (extensions == from.end() || !extensions->is_object()) return to;
+    if (auto splatting = extensions->find("KHR_gaussian_splatting"); splatting != extensions->end() && splatting->is_object())
+        links.splatting.push_back({mesh, primitive, splattingOf(*splatting)});
+    const auto link = extensions->find("KHR_draco_mesh_compression");
+    if (link == extensions->end() || !link->is_object()) return to;
+    DracoLink entry{mesh, primitive, integerAt(from, "indices"), integerAt(*link, "bufferView"), {}};
+    if (auto attributes = link->find("attributes"); attributes != link->end() && attributes->is_object())
+        for (const auto& [semantic, id] : attributes->items())
+            if (id.is_number_unsigned()) entry.attributes[semantic] = uint32_t(std::min<uint64_t>(id.get<uint64_t>(), 0xffffffffu));
+    links.draco.push_back(std::move(entry));
+    to.erase("indices");
+    return to;
 }
 
 constexpr std::array<const char*, 4> kKnownRequired = {"KHR_draco_mesh_compression", "KHR_gaussian_splatting", "KHR_mesh_quantization",
@@ -135,12 +227,24 @@ Status checkBuffers(const Json& root, std::span<const uint8_t> bin) {
         return fail(Code::Unsupported, "a .glb with other than one buffer; export it as a single file");
     const Json& buffer = (*buffers)[0];
     if (buffer.contains("uri")) return fail(Code::Unsupported, "the buffer lies outside the file; export it as a self-contained .glb");
-    const auto length = buffer.find("byteLength");
-    if (length == buffer.end() || !length->is_number_unsigned())
-        return fail(Code::CorruptData, "the length of the buffer is not a whole number");
-    const uint64_t bytes = length->get<uint64_t>();
-    if (bytes < 1 || bytes > bin.size())
-        return fail(Code::CorruptData, "the buffer claims {} bytes, the binary chunk has {}", bytes, bin.size());
+    const int64_t length = integerAt(buffer, "byteLength");
+    if (length < 1 || uint64_t(length) > bin.size())
+        return fail(Code::CorruptData, "the buffer claims {} bytes, the binary chunk has {}", length, bin.size());
+    return {};
+}
+
+/** Refuses indices that are not whole numbers, which tinygltf would read as 0, and views of a buffer that is not there. */
+Status checkTables(const Json& root) {
+    for (const char* table : {"bufferViews", "accessors"})
+        if (auto list = root.find(table); list != root.end())
+            for (const Json& entry : *list)
+                for (const char* key : {"buffer", "bufferView", "byteOffset", "byteLength", "byteStride", "componentType", "count"})
+                    if (auto it = entry.find(key); it != entry.end() && !it->is_number_unsigned())
+                        return fail(Code::CorruptData, "'{}' in glTF '{}' is not a whole number", key, table);
+    if (auto views = root.find("bufferViews"); views != root.end())
+        for (const Json& view : *views)
+            if (integerAt(view, "buffer") > 0)
+                return fail(Code::CorruptData, "a buffer view names buffer {}, there is one", integerAt(view, "buffer"));
     return {};
 }
 
@@ -164,8 +268,9 @@ Status checkBounds(const Json& root) {
     return {};
 }
 
-/** What is to be right before the tables are read. */
-Status checkRoot(const Json& root, std::span<const uint8_t> bin) {
+/** Copies the known keys only: for extras and unknown extensions tinygltf takes up to a hundred times their size. */
+Result<Json> knownKeys(const Json& root, std::span<const uint8_t> bin, const ReadLimits& limits, PrimitiveLinks& links,
+                       std::vector<std::vector<std::string>>& targetNames) {
     if (!root.is_object()) return fail(Code::CorruptData, "the glTF JSON is not an object");
     const auto asset = root.find("asset");
     if (asset == root.end() || !asset->is_object()) return fail(Code::CorruptData, "the glTF has no 'asset'");
@@ -173,7 +278,73 @@ Status checkRoot(const Json& root, std::span<const uint8_t> bin) {
     if (version == asset->end() || !version->is_string() || !version->get<std::string>().starts_with("2."))
         return fail(Code::Unsupported, "not glTF 2");
     DPL_RETURN_IF_ERROR(checkRequired(root));
-    return checkBuffers(root, bin);
+    DPL_RETURN_IF_ERROR(checkBuffers(root, bin));
+    // Member by member: a value made from an initializer list leaks when memory ends in it.
+    Json out = Json::object();
+    out["asset"] = pick(*asset, {"version", "generator"});
+    if (!bin.empty()) {
+        Json buffer = Json::object();
+        buffer["byteLength"] = 4;
+        out["buffers"] = Json::array();
+        out["buffers"].push_back(std::move(buffer));
+    }
+    DPL_RETURN_IF_ERROR(copyArray(root, out, "scenes", 64, [](const Json& s) { return pick(s, {"name"}); }));
+    DPL_RETURN_IF_ERROR(copyArray(root, out, "bufferViews", 65536, [](const Json& v) {
+        return pick(v, {"buffer", "byteOffset", "byteLength", "byteStride"});
+    }));
+    DPL_RETURN_IF_ERROR(copyArray(root, out, "accessors", 65536, [](const Json& a) {
+        Json to = pick(a, {"bufferView", "byteOffset", "componentType", "normalized", "count", "type", "sparse"});
+        for (const char* key : {"min", "max"})
+            if (auto it = a.find(key); it != a.end() && it->is_array() && it->size() <= kMostComponents) to[key] = *it;
+        return to;
+    }));
+    DPL_RETURN_IF_ERROR(checkTables(out));
+    DPL_RETURN_IF_ERROR(checkBounds(root));
+    for (const Json& a : out.value("accessors", Json::array()))
+        if (auto sparse = a.find("sparse"); sparse != a.end() && !sparse->is_object())
+            return fail(Code::CorruptData, "a sparse accessor is not an object");
+    size_t mesh = 0, primitiveCount = 0;
+    DPL_RETURN_IF_ERROR(copyArray(root, out, "meshes", 4096, [&](const Json& m) {
+        Json to = pick(m, {"name", "weights"});
+        auto& names = targetNames.emplace_back();
+        if (auto extras = m.find("extras"); extras != m.end() && extras->is_object())
+            if (auto list = extras->find("targetNames"); list != extras->end() && list->is_array())
+                for (const Json& name : *list) names.push_back(name.is_string() ? name.get<std::string>() : std::string());
+        to["primitives"] = Json::array();
+        if (auto primitives = m.find("primitives"); primitives != m.end() && primitives->is_array())
+            for (const Json& p : *primitives)
+                if (p.is_object() && ++primitiveCount <= 4096)
+                    to["primitives"].push_back(copyPrimitive(p, mesh, to["primitives"].size(), links));
+        ++mesh;
+        return to;
+    }));
+    if (primitiveCount > 4096) return fail(Code::CorruptData, "{} mesh primitives, the limit is 4096", primitiveCount);
+    DPL_RETURN_IF_ERROR(copyArray(root, out, "nodes", limits.maxNodes, [](const Json& n) {
+        return pick(n, {"name", "children", "matrix", "translation", "rotation", "scale", "mesh", "skin"});
+    }));
+    DPL_RETURN_IF_ERROR(copyArray(root, out, "skins", 1024, [](const Json& s) {
+        return pick(s, {"name", "inverseBindMatrices", "joints"});
+    }));
+    size_t channelCount = 0;
+    DPL_RETURN_IF_ERROR(copyArray(root, out, "animations", 4096, [&](const Json& a) {
+        Json to = pick(a, {"name"});
+        for (const char* key : {"channels", "samplers"}) {
+            to[key] = Json::array();
+            auto list = a.find(key);
+            if (list == a.end() || !list->is_array()) continue;
+            for (const Json& entry : *list) {
+                if (++channelCount > 262144) break;
+                Json one = pick(entry, {"sampler", "input", "output", "interpolation"});
+                if (entry.is_object() && entry.contains("target")) one["target"] = pick(entry["target"], {"node", "path"});
+                to[key].push_back(std::move(one));
+            }
+        }
+        return to;
+    }));
+    if (channelCount > 262144) return fail(Code::CorruptData, "more than 262144 animation channels and samplers");
+    DPL_RETURN_IF_ERROR(checkMaterials(root));
+    if (const auto place = placeOfNull(out)) return fail(Code::CorruptData, "the glTF has a null at {}, where a value belongs", *place);
+    return out;
 }
 
 size_t componentBytes(GltfComponent c) {
@@ -213,7 +384,8 @@ Status checkRanges(const GltfModel& m) {
         const GltfView& v = m.views[i];
         if (v.offset > m.bin.size() || v.length > m.bin.size() - v.offset)
             return fail(Code::CorruptData, "buffer view {} reaches past the binary chunk", i);
-        if (v.stride > 252 || v.stride % 4 != 0) return fail(Code::CorruptData, "buffer view {} has a stride of {}", i, v.stride);
+        if (v.stride != 0 && (v.stride < 4 || v.stride > 252))
+            return fail(Code::CorruptData, "buffer view {} has a stride of {}", i, v.stride);
     }
     for (size_t i = 0; i < m.accessors.size(); ++i) {
         const GltfAccessor& a = m.accessors[i];
@@ -298,6 +470,20 @@ Status checkReferences(GltfModel& m, const ReadLimits& limits) {
     return {};
 }
 
+Status linkDraco(GltfModel& m, const std::vector<DracoLink>& draco) {
+    for (const DracoLink& link : draco) {
+        if (link.mesh >= m.meshes.size() || link.primitive >= m.meshes[link.mesh].primitives.size())
+            return fail(Code::CorruptData, "a compressed primitive is malformed");
+        if (link.view < 0 || uint64_t(link.view) >= m.views.size())
+            return fail(Code::CorruptData, "a compressed primitive names buffer view {}, there are {}", link.view, m.views.size());
+        if (link.indices < 0 || uint64_t(link.indices) >= m.accessors.size())
+            return fail(Code::CorruptData, "a compressed primitive has no indices");
+        GltfPrimitive& p = m.meshes[link.mesh].primitives[link.primitive];
+        p.dracoView = int32_t(link.view), p.indices = int32_t(link.indices), p.dracoAttributes = link.attributes;
+    }
+    return {};
+}
+
 }  // namespace
 
 Result<GltfModel> parseGlb(std::span<const uint8_t> bytes, const ReadLimits& limits) try {
@@ -307,14 +493,16 @@ Result<GltfModel> parseGlb(std::span<const uint8_t> bytes, const ReadLimits& lim
         return fail(Code::CorruptData, "the JSON of the file {} (near byte {})", shape.problem, shape.errorAt);
     const JsonReserve reserve(shape.values());
     const Json root = Json::parse(glb.json, nullptr, false);
-    DPL_RETURN_IF_ERROR(checkRoot(root, glb.bin));
-    GltfModel model;
+    PrimitiveLinks links;
+    std::vector<std::vector<std::string>> targetNames;
+    DPL_TRY(const Json known, knownKeys(root, glb.bin, limits, links, targetNames));
+    DPL_TRY(GltfModel model, parseWithTinyGltf(known.dump(-1, ' ', false, Json::error_handler_t::replace)));
     model.bin = glb.bin, model.json = glb.json, model.jsonValues = shape.values();
-    if (auto generator = root["asset"].find("generator"); generator != root["asset"].end() && generator->is_string())
-        model.generator = generator->get<std::string>();
-    DPL_RETURN_IF_ERROR(readGltfTables(root, limits, model));
-    DPL_RETURN_IF_ERROR(checkBounds(root));
-    DPL_RETURN_IF_ERROR(checkMaterials(root));
+    for (size_t i = 0; i < model.meshes.size() && i < targetNames.size(); ++i) model.meshes[i].targetNames = std::move(targetNames[i]);
+    DPL_RETURN_IF_ERROR(linkDraco(model, links.draco));
+    for (SplattingLink& link : links.splatting)
+        if (link.mesh < model.meshes.size() && link.primitive < model.meshes[link.mesh].primitives.size())
+            model.meshes[link.mesh].primitives[link.primitive].splatting = std::move(link.splatting);
     DPL_RETURN_IF_ERROR(checkRanges(model));
     DPL_RETURN_IF_ERROR(checkReferences(model, limits));
     if (auto extensions = root.find("extensions"); extensions != root.end() && extensions->is_object()) {

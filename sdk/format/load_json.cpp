@@ -8,10 +8,10 @@ namespace {
 
 thread_local JsonReserve* newest = nullptr;
 
-/** Vectors of JSON values that a load can need at once, as children of one value each: those of the tree, of a copy of a part,
- *  and of the destructor that runs. A vector that grows by doubling asks for at most four times what it holds, and a reserve takes back only
- *  all its blocks at once. */
-constexpr size_t kVectorsPerValue = 3 * 4;
+/** Vectors of JSON values that a load can need at once, as children of one value each: those of three trees (the file, its known keys, and
+ *  tinygltf's), of a copy of a part, and of the destructor that runs. A vector that grows by doubling asks for at most four times what it
+ *  holds, and a reserve takes back only all its blocks at once. */
+constexpr size_t kVectorsPerValue = 5 * 4;
 
 }  // namespace
 

@@ -56,6 +56,7 @@ THIRD_PARTY = {  # heavy libraries stay in their rooms
     "vulkan": ("sdk/backend/vulkan", "sdk/include", "platform", "apps/xr", "tests"),
     "Metal": ("sdk/backend/metal", "sdk/include", "platform", "apps", "tests"),
     "openxr": ("platform/openxr", "tests"),
+    "tiny_gltf.h": ("sdk/format",),
     "draco": ("sdk/format", "tests"),
     "GLFW": ("platform/desktop",),
     "jni.h": ("platform/android", "platform/openxr", "apps/xr/android", "tests/android"),

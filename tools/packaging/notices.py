@@ -17,7 +17,7 @@ WEB_DOC = ROOT / "build/toolchains/web/usr/share/doc"  # of the packages that to
 
 # Debian package -> SPDX licence, of what the compiler copies into our binaries: headers, and the static library of Ceres. Sources: the
 # copyright files of these packages. docs/licences.md says the same in prose.
-LIBRARY = {"nlohmann-json3-dev": "MIT", "libglm-dev": "MIT", "libxxhash-dev": "BSD-2-Clause",
+LIBRARY = {"libtinygltf-dev": "MIT", "nlohmann-json3-dev": "MIT", "libglm-dev": "MIT", "libxxhash-dev": "BSD-2-Clause",
            "libvulkan-dev": "Apache-2.0"}
 GCC = "GPL-3.0-or-later WITH GCC-exception-3.1"
 # tools/deps web builds its libraries from the sources of these packages.

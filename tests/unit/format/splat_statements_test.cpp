@@ -447,7 +447,7 @@ TEST(SplatStatements, damageInGltfIsSaid) {
     expectRefused(changed([](auto& json) {
                       json["nodes"][0]["translation"] = {0, nullptr, 0};
                   }),
-                  "a null", Code::CorruptData, "'translation' of node 0 is not 3 numbers");
+                  "a null", Code::CorruptData, "null at nodes/0/translation/1");
     for (const nlohmann::json& material : {nlohmann::json(7), nlohmann::json(0), nlohmann::json(-1), nlohmann::json(), nlohmann::json("a")})
         expectRefused(changed([&](auto& json) { json["meshes"][0]["primitives"][0]["material"] = material; }), "a material",
                       Code::CorruptData, "names material");

@@ -16,7 +16,7 @@ class Doppel(ConanFile):
     description = "Draws drivable photoreal splat avatars"
     settings = "os", "arch", "compiler", "build_type"
     package_type = "shared-library"
-    requires = ("draco/1.5.6", "glm/0.9.9.8", "highway/1.0.7", "nlohmann_json/3.11.3", "vulkan-headers/1.3.268.0",
+    requires = ("draco/1.5.6", "glm/0.9.9.8", "highway/1.0.7", "nlohmann_json/3.11.3", "tinygltf/2.8.13", "vulkan-headers/1.3.268.0",
                 "xxhash/0.8.2", "zlib/1.3.1", "zstd/1.5.5", "glslang/1.3.268.0", "spirv-cross/1.3.268.0")
 
     def set_version(self):
