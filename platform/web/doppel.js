@@ -21,7 +21,7 @@ export class DoppelError extends Error {
 
 const RESULTS = ['DPL_OK', 'DPL_ERROR_INVALID_ARGUMENT', 'DPL_ERROR_NOT_FOUND', 'DPL_ERROR_CORRUPT_DATA', 'DPL_ERROR_VERSION',
   'DPL_ERROR_UNSUPPORTED', 'DPL_ERROR_OUT_OF_MEMORY', 'DPL_ERROR_IO', 'DPL_ERROR_DEVICE', 'DPL_ERROR_INTERNAL'];
-const OUT_OF_MEMORY = 6;
+const OUT_OF_MEMORY = 6, UNSUPPORTED = RESULTS[5];
 const wrong = sentence => new DoppelError(sentence, 'DPL_ERROR_INVALID_ARGUMENT');
 const MAX_FILE_BYTES = 512 * 1024 * 1024;
 const PAGE_BYTES = 65536, FIRST_PAGES = 64, MOST_PAGES = 32768;  // the limits of memory in CMakeLists.txt
@@ -29,6 +29,7 @@ const MEMORY_LIMIT = 1 << 30;
 const MAX_SIDE_PX = 8192;
 const STRAIGHT_ALPHA = 1;  // DPL_IMAGE_STRAIGHT_ALPHA
 const SCRATCH_BYTES = 512;
+const GENERAL_SPLATS = /^(ply|\x1f\x8b|NGSP|glTF)/;  // beginnings of files of general splats; those of persons are glTF too
 const CAMERA_NUMBERS = 18;
 const SPLAT_BYTES = 32;   // DplScreenSplat
 export const SPLATS_A_ROW = 512;  // a projection has room for whole rows of a texture of so many splats
@@ -105,6 +106,13 @@ async function compile(from) {
   return compiled.get(key);
 }
 
+/** The address of doppel-splats.wasm where doppel.wasm has one that it can lie beside. */
+function besideModule(from) {
+  if (typeof from !== 'string' && !(from instanceof URL)) return null;
+  const address = new URL(from, globalThis.document?.baseURI ?? import.meta.url);
+  return /^(https?|file):/.test(address.protocol) ? new URL('doppel-splats.wasm', address) : null;
+}
+
 /** Imports that a WASI module without files asks for. text(pointer) reads a C string of the instance. */
 function importsOf(module, memory, text, onLog) {
   const BAD_FILE = 8, NO_FUNCTION = 52;
@@ -155,11 +163,23 @@ export class Doppel {
 
   /** Loads an avatar (.glb) or general splats.
    *  source: a URL, a Response, a Blob, or bytes. options.module: where doppel.wasm is, its bytes, or the compiled module; otherwise beside
-   *  this file. options.onProgress(loaded, total): bytes of the file. options.signal: an AbortSignal. options.memoryLimit: most memory for
+   *  this file. options.splatsModule: the same of doppel-splats.wasm, which is needed for general splats alone; otherwise beside
+   *  doppel.wasm. options.onProgress(loaded, total): bytes of the file. options.signal: an AbortSignal. options.memoryLimit: most memory for
    *  this person, bytes; usually 1 GiB. options.onLog(line): warnings of the library; otherwise they go to the console. */
   static async load(source, options = {}) {
     const where = options.module ?? new URL('./doppel.wasm', import.meta.url);
     const [module, bytes] = await Promise.all([compile(where), fetchBytes(source, options)]);
+    try {
+      return await Doppel.#of(module, bytes, options);
+    } catch (error) {
+      const splats = options.splatsModule ?? besideModule(where);
+      const head = String.fromCharCode(...bytes.subarray(0, 4));
+      if (error.code !== UNSUPPORTED || !splats || !GENERAL_SPLATS.test(head)) throw error;
+      return Doppel.#of(await compile(splats), bytes, options);
+    }
+  }
+
+  static async #of(module, bytes, options) {
     options.signal?.throwIfAborted();
     const person = new Doppel();
     await person.#start(module, options.memoryLimit ?? MEMORY_LIMIT, options.onLog ?? (line => console.warn(line)));
@@ -175,7 +195,7 @@ export class Doppel {
       const imports = importsOf(module, () => this.#memory, at => this.#text(at), onLog);
       instance = await WebAssembly.instantiate(module, imports);
     } catch (error) {
-      const code = error instanceof RangeError ? RESULTS[OUT_OF_MEMORY] : 'DPL_ERROR_UNSUPPORTED';
+      const code = error instanceof RangeError ? RESULTS[OUT_OF_MEMORY] : UNSUPPORTED;
       throw new DoppelError(`the module does not start: ${error.message}`, code);
     }
     this.#exports = instance.exports;
