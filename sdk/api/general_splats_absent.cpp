@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// For a module that loads in a moment: reading general splats is a tenth of libdoppel.
+// For web modules of persons, which every visitor loads: reading general splats is an eighth of a module (docs/adr/0089).
 #include "sdk/api/decode_file.h"
 
 namespace dpl::api {
