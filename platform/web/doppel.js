@@ -168,8 +168,8 @@ export class Doppel {
   /** Loads an avatar (.glb) or general splats.
    *  source: a URL, a Response, a Blob, or bytes. options.module: where doppel.wasm is, its bytes, or the compiled module; otherwise beside
    *  this file. options.splatsModule: the same of doppel-splats.wasm, which is needed for general splats alone; otherwise beside
-   *  doppel.wasm. options.onProgress(loaded, total): bytes of the file. options.signal: an AbortSignal. options.memoryLimit: most memory for
-   *  this person, bytes; usually 1 GiB. options.onLog(line): warnings of the library; otherwise they go to the console. */
+   *  doppel.wasm. options.onProgress(loaded, total): bytes of the file. options.signal: an AbortSignal. options.memoryLimit: most memory
+   *  for this person, bytes; usually 1 GiB. options.onLog(line): warnings of the library; otherwise they go to the console. */
   static async load(source, options = {}) {
     const where = options.module ?? new URL('./doppel.wasm', import.meta.url);
     const [module, bytes] = await Promise.all([compile(where), fetchBytes(source, options)]);
