@@ -21,14 +21,19 @@ export class DoppelError extends Error {
 
 const RESULTS = ['DPL_OK', 'DPL_ERROR_INVALID_ARGUMENT', 'DPL_ERROR_NOT_FOUND', 'DPL_ERROR_CORRUPT_DATA', 'DPL_ERROR_VERSION',
   'DPL_ERROR_UNSUPPORTED', 'DPL_ERROR_OUT_OF_MEMORY', 'DPL_ERROR_IO', 'DPL_ERROR_DEVICE', 'DPL_ERROR_INTERNAL'];
-const OUT_OF_MEMORY = 6;
+const OUT_OF_MEMORY = 6, UNSUPPORTED = RESULTS[5];
 const wrong = sentence => new DoppelError(sentence, 'DPL_ERROR_INVALID_ARGUMENT');
 const MAX_FILE_BYTES = 512 * 1024 * 1024;
 const PAGE_BYTES = 65536, FIRST_PAGES = 64, MOST_PAGES = 32768;  // the limits of memory in CMakeLists.txt
 const MEMORY_LIMIT = 1 << 30;
 const MAX_SIDE_PX = 8192;
 const STRAIGHT_ALPHA = 1;  // DPL_IMAGE_STRAIGHT_ALPHA
-const SCRATCH_BYTES = 512;
+const SCRATCH_BYTES = 640;
+const LANDMARKS = 33;       // of MediaPipe Pose
+const MOST_MS = 9e12;       // of a time: its nanoseconds fit 64 bits
+const IN_PLACE = 4, OVER_POSE = 8;  // DplTrackerFlag
+const TRACKER_STATES = ['waiting', 'tracking', 'lost'];
+const GENERAL_SPLATS = /^(ply|\x1f\x8b|NGSP|glTF)/;  // beginnings of files of general splats; those of persons are glTF too
 const CAMERA_NUMBERS = 18;
 const SPLAT_BYTES = 32;   // DplScreenSplat
 export const SPLATS_A_ROW = 512;  // a projection has room for whole rows of a texture of so many splats
@@ -105,6 +110,13 @@ async function compile(from) {
   return compiled.get(key);
 }
 
+/** The address of doppel-splats.wasm where doppel.wasm has one that it can lie beside. */
+function besideModule(from) {
+  if (typeof from !== 'string' && !(from instanceof URL)) return null;
+  const address = new URL(from, globalThis.document?.baseURI ?? import.meta.url);
+  return /^(https?|file):/.test(address.protocol) ? new URL('doppel-splats.wasm', address) : null;
+}
+
 /** Imports that a WASI module without files asks for. text(pointer) reads a C string of the instance. */
 function importsOf(module, memory, text, onLog) {
   const BAD_FILE = 8, NO_FUNCTION = 52;
@@ -149,17 +161,29 @@ function importsOf(module, memory, text, onLog) {
 
 /** A person, or general splats. Functions throw DoppelError. */
 export class Doppel {
-  #exports; #memory; #context = 0; #avatar = 0; #scratch = 0; #image = 0; #imageBytes = 0; #lost = null;
+  #exports; #memory; #context = 0; #avatar = 0; #scratch = 0; #image = 0; #imageBytes = 0; #lost = null; #tracker = 0;
   #floats; #doubles; #words;  // views of all memory, made anew when it has grown: viewMemory()
   #splats = 0; #capacity = 0; #projection = { words: null, at: 0, counts: [0, 0], samples: 1, rows: 0 };
 
   /** Loads an avatar (.glb) or general splats.
    *  source: a URL, a Response, a Blob, or bytes. options.module: where doppel.wasm is, its bytes, or the compiled module; otherwise beside
-   *  this file. options.onProgress(loaded, total): bytes of the file. options.signal: an AbortSignal. options.memoryLimit: most memory for
-   *  this person, bytes; usually 1 GiB. options.onLog(line): warnings of the library; otherwise they go to the console. */
+   *  this file. options.splatsModule: the same of doppel-splats.wasm, which is needed for general splats alone; otherwise beside
+   *  doppel.wasm. options.onProgress(loaded, total): bytes of the file. options.signal: an AbortSignal. options.memoryLimit: most memory
+   *  for this person, bytes; usually 1 GiB. options.onLog(line): warnings of the library; otherwise they go to the console. */
   static async load(source, options = {}) {
     const where = options.module ?? new URL('./doppel.wasm', import.meta.url);
     const [module, bytes] = await Promise.all([compile(where), fetchBytes(source, options)]);
+    try {
+      return await Doppel.#of(module, bytes, options);
+    } catch (error) {
+      const splats = options.splatsModule ?? besideModule(where);
+      const head = String.fromCharCode(...bytes.subarray(0, 4));
+      if (error.code !== UNSUPPORTED || !splats || !GENERAL_SPLATS.test(head)) throw error;
+      return Doppel.#of(await compile(splats), bytes, options);
+    }
+  }
+
+  static async #of(module, bytes, options) {
     options.signal?.throwIfAborted();
     const person = new Doppel();
     await person.#start(module, options.memoryLimit ?? MEMORY_LIMIT, options.onLog ?? (line => console.warn(line)));
@@ -175,7 +199,7 @@ export class Doppel {
       const imports = importsOf(module, () => this.#memory, at => this.#text(at), onLog);
       instance = await WebAssembly.instantiate(module, imports);
     } catch (error) {
-      const code = error instanceof RangeError ? RESULTS[OUT_OF_MEMORY] : 'DPL_ERROR_UNSUPPORTED';
+      const code = error instanceof RangeError ? RESULTS[OUT_OF_MEMORY] : UNSUPPORTED;
       throw new DoppelError(`the module does not start: ${error.message}`, code);
     }
     this.#exports = instance.exports;
@@ -287,6 +311,47 @@ export class Doppel {
     const names = this.layers.map(l => l.name).join(', ') || 'none';
     if (index < 0) throw new DoppelError(`there is no layer '${layer}'; there are: ${names}`, RESULTS[2]);
     this.#check(this.#call('dplHideLayer', this.#avatar, index, hidden ? 1 : 0));
+  }
+
+  /** Begins to follow somebody before a camera: then give track() what MediaPipe Pose sees, and pose by setPoseFromTracker(). Begun again,
+   *  it forgets who was seen. inPlace: the person stays on the spot. overPose: what the camera does not see follows the pose that is set
+   *  before each picture, such as setClip(); otherwise the rest pose. */
+  startTracking({ inPlace = false, overPose = false } = {}) {
+    const made = this.#call('webCreateTracker', this.#avatar, (inPlace ? IN_PLACE : 0) | (overPose ? OVER_POSE : 0), this.#scratch);
+    if (!made) throw this.#error(this.#int());
+    this.#call('dplDestroyTracker', this.#tracker);
+    this.#tracker = made;
+  }
+
+  /** landmarks: the 33 world landmarks {x, y, z, visibility} of MediaPipe Pose. One with a number that is not finite, or with a visibility
+   *  below 0.5, is not seen. timeMs: when the camera saw them, of any one clock such as performance.now(). Those that are not later than
+   *  the last are left out; those more than a second earlier begin anew. */
+  track(landmarks, timeMs) {
+    if (landmarks?.length !== LANDMARKS) throw wrong(`${landmarks?.length ?? 'no'} landmarks; MediaPipe Pose has ${LANDMARKS}`);
+    this.#checkTime(timeMs);
+    this.#viewMemory();
+    const at = this.#scratch >> 2, floats = this.#floats;
+    for (let i = 0; i < LANDMARKS; ++i) {
+      const { x, y, z, visibility = 1 } = landmarks[i] ?? {};
+      floats[at + 3 * i] = x, floats[at + 3 * i + 1] = y, floats[at + 3 * i + 2] = z, floats[at + 3 * LANDMARKS + i] = visibility;
+    }
+    this.#check(this.#call('webTrack', this.#tracker, this.#scratch, LANDMARKS, timeMs));
+  }
+
+  /** Poses the person for a picture that is shown at timeMs, of the clock of track(). Returns {state, drivenJoints, rateHz, delay}. state:
+   *  'waiting' for the first landmarks, 'tracking', or 'lost' for more than 0.3 s. drivenJoints: that follow now. delay: by which the
+   *  smoothing lags, seconds. */
+  setPoseFromTracker(timeMs) {
+    this.#checkTime(timeMs);
+    this.#check(this.#call('webSetPoseFromTracker', this.#tracker, timeMs, this.#scratch));
+    const [state, drivenJoints, rateHz, delay] = this.#numbers(4);
+    return { state: TRACKER_STATES[state], drivenJoints, rateHz, delay };
+  }
+
+  #checkTime(timeMs) {
+    this.#alive();
+    if (!this.#tracker) throw wrong('nobody is followed yet; call startTracking() first');
+    if (!(Math.abs(timeMs) <= MOST_MS)) throw wrong(`a time of ${timeMs} ms; it must be a finite number`);
   }
 
   /** Draws fewer splats where they are not seen (splatsPerPixel; 12 is usual) and never more than splatBudget. 0: no limit. */

@@ -169,3 +169,33 @@ EXPORT(webLayerTriangles)(DplAvatar avatar, uint32_t layer)->uint32_t {
     info.structSize = sizeof info;
     return dplGetLayerInfo(avatar, layer, &info) == DPL_OK ? info.triangleCount : 0;
 }
+
+/** A tracker for landmarks of MediaPipe Pose; 0 after an error, whose code goes to *result. flags: DplTrackerFlag. */
+EXPORT(webCreateTracker)(DplAvatar avatar, uint32_t flags, int32_t* result)->DplTracker {
+    DplTrackerInfo info{};
+    info.structSize = sizeof info;
+    info.format = DPL_TRACK_MEDIAPIPE_POSE;
+    info.flags = flags;
+    DplTracker tracker = nullptr;
+    *result = dplCreateTracker(avatar, &info, &tracker);
+    return tracker;
+}
+/** numbers: x, y, z of each landmark, then the visibility of each. */
+EXPORT(webTrack)(DplTracker tracker, const float* numbers, uint32_t count, double timeMs)->DplResult {
+    DplTrackFrame frame{};
+    frame.structSize = sizeof frame;
+    frame.jointCount = count;
+    frame.timeNs = int64_t(timeMs * 1e6);
+    frame.positions = numbers;
+    frame.confidence = numbers + 3 * size_t(count);
+    return dplTrackFrame(tracker, &frame);
+}
+/** Writes 4 numbers: state, driven joints, rate in Hz, delay in seconds. */
+EXPORT(webSetPoseFromTracker)(DplTracker tracker, double timeMs, double* numbers)->DplResult {
+    DplTrackerStatus status{};
+    status.structSize = sizeof status;
+    const DplResult result = dplSetPoseFromTracker(tracker, int64_t(timeMs * 1e6), &status);
+    if (result != DPL_OK) return result;
+    numbers[0] = status.state, numbers[1] = status.drivenJoints, numbers[2] = status.rateHz, numbers[3] = status.delayS;
+    return DPL_OK;
+}

@@ -5,7 +5,6 @@
 
 #include "sdk/avatar/cloth_bounds.h"
 #include "sdk/avatar/humanoid.h"
-#include "sdk/core/log.h"
 #include "sdk/core/task.h"
 #include "sdk/format/avatar_file.h"
 #include "sdk/format/avatar_head.h"
@@ -44,30 +43,10 @@ Result<Decoded> decodeAvatar(std::span<const uint8_t> bytes) {
     return Decoded{std::move(made), std::move(coded.splats), {}};
 }
 
-/** Makes an avatar without joints. */
-Result<Decoded> decodeGeneralSplats(std::span<const uint8_t> bytes, const std::string& file) {
-    SplatFile read;
-    {
-        const TaskPart part(0, 0.9);
-        DPL_TRY(read, readSplats(bytes));
-    }
-    for (const std::string& note : read.remarks.notes) log(LogLevel::Warning, "{}: {}", file.empty() ? nameOf(read.format) : file, note);
-    auto made = std::make_shared<Avatar>();
-    AvatarData named;
-    named.name = nameOf(read.format);
-    made->data = std::make_shared<const AvatarData>(std::move(named));
-    made->fileSplatCount = read.splats.count(), made->fileShDegree = read.splats.shDegree;
-    made->axesStated = !read.remarks.axes.stated.empty(), made->loadedFromFile = read.remarks.axes.uprightFromFile;
-    DPL_RETURN_IF_ERROR(taskAt(0.9));
-    const SplatBox box = boxOf(read.splats);
-    made->restMin = box.low, made->restMax = box.high;
-    return Decoded{std::move(made), {}, std::move(read.splats)};
-}
-
 }  // namespace
 
 Result<Decoded> decodeFile(std::span<const uint8_t> bytes, const std::string& file) {
-    return splatFormatOf(bytes) != SplatFormat::None ? decodeGeneralSplats(bytes, file) : decodeAvatar(bytes);
+    return isSplatFile(bytes) ? decodeGeneralSplats(bytes, file) : decodeAvatar(bytes);
 }
 
 }  // namespace dpl::api

@@ -21,4 +21,7 @@ struct Decoded {
  *  warnings; empty: unknown. */
 Result<Decoded> decodeFile(std::span<const uint8_t> bytes, const std::string& file);
 
+/** Its part for general splats: an avatar without joints. Unsupported: this build reads none (general_splats_absent.cpp). */
+Result<Decoded> decodeGeneralSplats(std::span<const uint8_t> bytes, const std::string& file);
+
 }  // namespace dpl::api

@@ -2,11 +2,13 @@
 // Errors are values: Result<T> holds a T or an Error (a code and a sentence for a human).
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <optional>
-#include <sstream>
+#include <span>
 #include <string>
 #include <string_view>
+#include <type_traits>
 #include <utility>
 
 namespace dpl {
@@ -29,26 +31,43 @@ struct Error {
     std::string message;
 };
 
-namespace detail {
-inline void formatInto(std::ostringstream& out, std::string_view text) {
-    out << text;
-}
-template <class First, class... Rest>
-void formatInto(std::ostringstream& out, std::string_view text, const First& first, const Rest&... rest) {
-    const size_t hole = text.find("{}");
-    out << text.substr(0, hole);
-    if (hole == std::string_view::npos) return;
-    out << first;
-    formatInto(out, text.substr(hole + 2), rest...);
-}
-}  // namespace detail
+/** A value in a text: a text itself, a character, a whole number, a floating number or a bool (1 or 0). Borrows texts. */
+class TextValue {
+public:
+    TextValue(std::string_view text) : kind_(Kind::Text), text_(text) {}
+    TextValue(char character) : kind_(Kind::Character), character_(character) {}
+    template <class T>
+    TextValue(const T& value) {
+        if constexpr (std::is_convertible_v<const T&, std::string_view>)
+            kind_ = Kind::Text, text_ = value;
+        else if constexpr (std::is_floating_point_v<T>)
+            kind_ = Kind::Floating, floating_ = double(value);
+        else if constexpr (std::is_unsigned_v<T>)
+            kind_ = Kind::Unsigned, unsigned_ = value;
+        else
+            kind_ = Kind::Signed, signed_ = value;  // also enums of C
+    }
+    void appendTo(std::string& out) const;
 
-/** Replaces each "{}" of `text` by the next argument, printed with operator<<. Arguments without a "{}" are dropped. */
+private:
+    enum class Kind : uint8_t { Text, Character, Unsigned, Signed, Floating } kind_;
+    union {
+        std::string_view text_;
+        char character_;
+        uint64_t unsigned_;
+        int64_t signed_;
+        double floating_;
+    };
+};
+
+/** Replaces each "{}" of `text` by the next value. Values without a "{}" are dropped, and a "{}" without a value stays. */
+std::string formatValues(std::string_view text, std::span<const TextValue> values);
+
+/** The same. Floating numbers have six digits, as by printf's %g, with a point in every locale. */
 template <class... Args>
 std::string formatText(std::string_view text, const Args&... args) {
-    std::ostringstream out;
-    detail::formatInto(out, text, args...);
-    return out.str();
+    const std::array<TextValue, sizeof...(args)> values = {TextValue(args)...};
+    return formatValues(text, values);
 }
 
 template <class... Args>

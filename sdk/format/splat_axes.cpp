@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <sstream>
 
 #include "sdk/core/numbers.h"
 #include "sdk/core/result.h"
@@ -47,12 +46,14 @@ std::string lowered(std::string_view text) {
 }
 
 /** Words of a lowered text; commas, colons, equals signs and brackets separate them as spaces do. */
-std::vector<std::string> wordsIn(std::string text) {
-    std::replace_if(
-        text.begin(), text.end(), [](char c) { return std::string_view(",;:=()[]\t\r").find(c) != std::string_view::npos; }, ' ');
-    std::istringstream in(text);
+std::vector<std::string> wordsIn(std::string_view text) {
+    constexpr std::string_view kBetween = ",;:=()[] \t\r\n\v\f";
     std::vector<std::string> out;
-    for (std::string word; in >> word;) out.push_back(word);
+    for (size_t at = text.find_first_not_of(kBetween); at != text.npos; at = text.find_first_not_of(kBetween, at)) {
+        const size_t end = std::min(text.find_first_of(kBetween, at), text.size());
+        out.emplace_back(text.substr(at, end - at));
+        at = end;
+    }
     return out;
 }
 

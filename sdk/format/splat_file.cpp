@@ -28,6 +28,16 @@ std::string_view jsonOf(std::span<const uint8_t> bytes) {
     return {reinterpret_cast<const char*>(bytes.data()) + kJsonAt, std::min<size_t>(length, bytes.size() - kJsonAt)};
 }
 
+bool isSpz(std::span<const uint8_t> bytes) {
+    return beginsWith(bytes, "\x1f\x8b") || beginsWith(bytes, "NGSP");
+}
+
+bool isSplatGltf(std::span<const uint8_t> bytes) {
+    if (!beginsWith(bytes, "glTF")) return false;
+    const std::string_view json = jsonOf(bytes);
+    return json.find("\"DPL_gaussian_avatar\"") == json.npos && json.find("\"KHR_gaussian_splatting\"") != json.npos;
+}
+
 }  // namespace
 
 const char* nameOf(SplatFormat format) {
@@ -47,17 +57,16 @@ const char* nameOf(SplatFormat format) {
 }
 
 SplatFormat splatFormatOf(std::span<const uint8_t> bytes) {
-    if (beginsWith(bytes, "\x1f\x8b") || beginsWith(bytes, "NGSP")) return SplatFormat::Spz;
+    if (isSpz(bytes)) return SplatFormat::Spz;
     if (beginsWith(bytes, "ply")) {
         const auto header = readPlyHeader(bytes);
         return header && header->find("chunk") ? SplatFormat::CompressedPly : SplatFormat::InriaPly;
     }
-    if (beginsWith(bytes, "glTF")) {
-        const std::string_view json = jsonOf(bytes);
-        if (json.find("\"DPL_gaussian_avatar\"") == json.npos && json.find("\"KHR_gaussian_splatting\"") != json.npos)
-            return SplatFormat::Gltf;
-    }
-    return SplatFormat::None;
+    return isSplatGltf(bytes) ? SplatFormat::Gltf : SplatFormat::None;
+}
+
+bool isSplatFile(std::span<const uint8_t> bytes) {
+    return isSpz(bytes) || beginsWith(bytes, "ply") || isSplatGltf(bytes);
 }
 
 Result<SplatFile> readSplats(std::span<const uint8_t> bytes, const ReadLimits& limits) try {

@@ -21,6 +21,8 @@ const char* nameOf(SplatFormat format);
 
 /** Recognises the format by the headers. None: anything else, also an avatar file. The file may still be damaged. */
 SplatFormat splatFormatOf(std::span<const uint8_t> bytes);
+/** Whether it is one of the formats. */
+bool isSplatFile(std::span<const uint8_t> bytes);
 
 struct SplatFile {
     SplatFormat format = SplatFormat::None;

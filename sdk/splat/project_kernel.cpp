@@ -252,10 +252,14 @@ void projectGroups(const ProjectTask& task) {
     static constexpr Kernel kGeneral[4] = {projectAs<false, 0, false>, projectAs<false, 1, false>, projectAs<false, 2, false>,
                                            projectAs<false, 3, false>},
                             kBound[4] = {projectAs<true, 0, false>, projectAs<true, 1, false>, projectAs<true, 2, false>,
-                                         projectAs<true, 3, false>},
-                            kRecorded[4] = {projectAs<true, 0, true>, projectAs<true, 1, true>, projectAs<true, 2, true>,
+                                         projectAs<true, 3, false>};
+    const Kernel* kernels = task.triangles ? kBound : kGeneral;
+#ifndef DOPPEL_WITHOUT_TRAINER  // which alone asks for records
+    static constexpr Kernel kRecorded[4] = {projectAs<true, 0, true>, projectAs<true, 1, true>, projectAs<true, 2, true>,
                                             projectAs<true, 3, true>};
-    (!task.triangles ? kGeneral : task.records ? kRecorded : kBound)[task.shDegree](task);
+    if (task.triangles && task.records) kernels = kRecorded;
+#endif
+    kernels[task.shDegree](task);
 }
 
 }  // namespace HWY_NAMESPACE

@@ -146,6 +146,29 @@ test('tells of layers, and says why one cannot be hidden', async () => {
   person.hideLayer(person.layers.length - 1, false);
 });
 
+/** A PLY of `count` splats in a row. */
+function plyOf(count) {
+  const names = ['x', 'y', 'z', 'f_dc_0', 'f_dc_1', 'f_dc_2', 'opacity', 'scale_0', 'scale_1', 'scale_2', 'rot_0', 'rot_1', 'rot_2', 'rot_3'];
+  const header = `ply\nformat binary_little_endian 1.0\nelement vertex ${count}\n${names.map(n => `property float ${n}\n`).join('')}end_header\n`;
+  const rows = Array.from({ length: count }, (_, i) => [0.1 * i, 0, 0, 1, 0, 0, 4, -3, -3, -3, 1, 0, 0, 0]);
+  return Buffer.concat([Buffer.from(header), Buffer.from(Float32Array.from(rows.flat()).buffer)]);
+}
+
+test('general splats are read by the module for them, which is loaded for them alone', async () => {
+  const ply = plyOf(5), beside = pathToFileURL(process.env.WEB_MODULE);
+  await fails(() => load(ply), 'DPL_ERROR_UNSUPPORTED', /general splats.*persons only/);
+  const splats = await Doppel.load(ply, { module: beside });
+  assert.equal(splats.splatCount, 5);
+  const picture = splats.draw(splats.lookAt({ eye: [0.2, 0, 2], target: [0.2, 0, 0], width: 80, height: 60 }));
+  assert.ok(picture.some((value, i) => i % 4 === 3 && value > 200), 'something is seen');
+  const large = fs.readFileSync(path.join(path.dirname(process.env.WEB_MODULE), 'doppel-splats.wasm'));
+  assert.equal((await load(ply, { splatsModule: large })).splatCount, 5);
+  await fails(() => load(ply.subarray(0, 300), { splatsModule: large }), 'DPL_ERROR_CORRUPT_DATA', /./);
+  await fails(() => load(ply, { splatsModule: pathToFileURL('/nowhere/doppel-splats.wasm') }), 'NETWORK', /doppel-splats\.wasm/);
+  await fails(() => load(Buffer.from('<html>Not found</html>'), { splatsModule: pathToFileURL('/nowhere/doppel-splats.wasm') }), 'DPL_ERROR_UNSUPPORTED', /./);
+  assert.ok((await load(glb, { splatsModule: pathToFileURL('/nowhere/doppel-splats.wasm') })).joints.length > 10);
+});
+
 test('memory that is refused is an error of that person alone', async () => {
   await fails(() => load(glb, { memoryLimit: 6 << 20 }), 'DPL_ERROR_OUT_OF_MEMORY', /memory/);
   const person = await load();

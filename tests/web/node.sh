@@ -14,7 +14,8 @@ mkdir -p "$work/referee"
 (cd "$work/referee" && node --input-type=module -e \
     "import { SHOTS, line } from 'file://$here/shots.mjs'; for (const shot of SHOTS) console.log(line(shot, shot.name + '.rgba'))" |
     "$referee" "$work/person.glb")
-WEB_MODULE="$module" WEB_PERSON="$work/person.glb" WEB_REFEREE="$work/referee" node --test "$here/module_test.mjs"
+WEB_MODULE="$module" WEB_PERSON="$work/person.glb" WEB_REFEREE="$work/referee" WEB_REFEREE_PROGRAM="$referee" \
+    node --test "$here/module_test.mjs" "$here/tracking_test.mjs"
 WEB_MODULE="$module" node --test "$here/page_parts_test.mjs"
 python3 "$here/../../tools/packaging/npm.py" "$(dirname "$module")" "$work/npm" "$("$doppel" --version | cut -d' ' -f2)" 0
 "$here/package.sh" "$work"/npm/doppel-web-*.tgz "$work/person.glb" "$work/package"

@@ -3,6 +3,9 @@
 //   clip time eyeX eyeY eyeZ targetX targetY targetZ fovYRad width height file
 // web_referee AVATAR --time N: the median of N frames, ms, of what the module does for WebGL2 (clip and dplProject), by one thread, for
 // each shot; no picture. clip -1: rest. Each picture goes to its file: 4 bytes a pixel, premultiplied, top row first.
+// web_referee AVATAR --track: poses of a tracker for MediaPipe Pose that keeps the person in place. Lines of stdin:
+//   seen timeMs, then x y z of 33 landmarks, then their 33 visibilities     "nan" is a number here
+//   show timeMs                                                             prints state, driven joints, positions of all joints
 #include <doppel/doppel_convert.h>
 #include <doppel/doppel_splats.h>
 
@@ -42,12 +45,47 @@ bool timeFrames(DplContext context, DplAvatar avatar, const DplCamera& camera, i
     return true;
 }
 
+/** What the module does for webTrack and webSetPoseFromTracker. */
+bool track(DplAvatar avatar) {
+    DplAvatarInfo about{};
+    about.structSize = sizeof about;
+    DplTrackerInfo info{};
+    info.structSize = sizeof info;
+    info.format = DPL_TRACK_MEDIAPIPE_POSE, info.flags = DPL_TRACKER_IN_PLACE;
+    DplTracker tracker = nullptr;
+    if (dplGetAvatarInfo(avatar, &about) != DPL_OK || dplCreateTracker(avatar, &info, &tracker) != DPL_OK) return false;
+    constexpr uint32_t kLandmarks = 33;
+    std::vector<float> numbers(4 * kLandmarks), positions(3 * size_t(about.jointCount));
+    std::string word, number;
+    double timeMs = 0;
+    while (std::cin >> word >> timeMs) {
+        if (word == "seen") {
+            for (float& value : numbers) std::cin >> number, value = std::strtof(number.c_str(), nullptr);  // operator>> knows no "nan"
+            DplTrackFrame frame{};
+            frame.structSize = sizeof frame;
+            frame.jointCount = kLandmarks, frame.timeNs = int64_t(timeMs * 1e6);
+            frame.positions = numbers.data(), frame.confidence = numbers.data() + 3 * kLandmarks;
+            if (dplTrackFrame(tracker, &frame) != DPL_OK) return false;
+            continue;
+        }
+        DplTrackerStatus status{};
+        status.structSize = sizeof status;
+        if (dplSetPoseFromTracker(tracker, int64_t(timeMs * 1e6), &status) != DPL_OK) return false;
+        if (dplGetJointPositions(avatar, positions.data(), about.jointCount) != DPL_OK) return false;
+        std::printf("%d %u", int(status.state), status.drivenJoints);
+        for (const float value : positions) std::printf(" %.9g", double(value));
+        std::printf("\n");
+    }
+    return dplDestroyTracker(tracker) == DPL_OK;
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
+    const bool tracks = argc == 3 && std::string(argv[2]) == "--track";
     const int timed = argc == 4 && std::string(argv[2]) == "--time" ? std::atoi(argv[3]) : 0;
-    if (argc != 2 && timed <= 0) {
-        std::fprintf(stderr, "usage: web_referee AVATAR [--time N] < SHOTS\n");
+    if (argc != 2 && timed <= 0 && !tracks) {
+        std::fprintf(stderr, "usage: web_referee AVATAR [--time N | --track] < SHOTS\n");
         return 2;
     }
     DplContextInfo info{};
@@ -58,6 +96,7 @@ int main(int argc, char** argv) {
     if (dplCreateContext(&info, &context) != DPL_OK) return complain("no context");
     DplAvatar avatar = nullptr;
     if (dplLoadAvatarFile(context, argv[1], &avatar) != DPL_OK) return complain(argv[1]);
+    if (tracks) return track(avatar) ? 0 : complain("tracking");
     int clip = 0;
     double timeS = 0;
     float eye[3], target[3], fovYRad = 0;

@@ -17,8 +17,8 @@ import notices  # noqa: E402
 
 ROOT = notices.ROOT
 NPM = ROOT / "platform/web/npm"
-BUILT_FILES = ("doppel.wasm", "doppel.js", "doppel-avatar.js", "webgl-renderer.js", "splat-pacer.js", "webxr.js", "demo/index.html",
-               "demo/demo.js", "demo/demo.css")
+BUILT_FILES = ("doppel.wasm", "doppel-splats.wasm", "doppel.js", "doppel-avatar.js", "webgl-renderer.js", "splat-pacer.js", "webxr.js",
+               "demo/index.html", "demo/demo.js", "demo/demo.css")
 TYPES = ("doppel-avatar.d.ts", "webgl-renderer.d.ts", "webxr.d.ts")
 
 

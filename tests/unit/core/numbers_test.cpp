@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sdk/core/numbers.h"
+#include "sdk/core/result.h"
 
 #include <gtest/gtest.h>
 #include <unistd.h>
@@ -157,6 +158,19 @@ TEST(Numbers, theDecimalCommaOfALocaleChangesNothing) {
     EXPECT_EQ(numberIn("-12.25e-1"), -1.225);
     EXPECT_EQ(numberIn<float>("0.75"), 0.75f);
     EXPECT_TRUE(std::isnan(numberIn("1,5")));
+    EXPECT_EQ(formatText("{}", 1.5), "1.5");
+}
+
+TEST(Numbers, textsTakeValuesOfEveryKind) {
+    EXPECT_EQ(formatText("{} of {} in '{}'{}", 3, size_t(7), std::string("a"), '!'), "3 of 7 in 'a'!");
+    EXPECT_EQ(formatText("{} {} {}", std::numeric_limits<int64_t>::min(), std::numeric_limits<uint64_t>::max(), true),
+              "-9223372036854775808 18446744073709551615 1");
+    EXPECT_EQ(formatText("{} {}", uint8_t(65), int8_t(-3)), "65 -3") << "bytes are numbers";
+    EXPECT_EQ(formatText("{} {} {} {}", 0.1f, 1234567.0, -1e-7, std::numeric_limits<double>::infinity()), "0.1 1.23457e+06 -1e-07 inf");
+    EXPECT_EQ(formatText("{} and {}", 1), "1 and {}") << "a value that is missing";
+    EXPECT_EQ(formatText("none", 1), "none") << "a value too many";
+    EXPECT_EQ(formatText("{}{}", "{}", 2), "{}2") << "a value is not read for holes";
+    EXPECT_EQ(formatText("", 1), "");
 }
 
 }  // namespace
