@@ -36,7 +36,7 @@ function partOf(group, geometry, material) {
 /** A person in a scene, placed by position, rotation and one scale for all axes. `castShadow`: by the posed mesh. The person stays yours:
  *  pose it, and dispose of it after the group. Event `error`: why the person is not drawn, a DoppelError in `error`; each sentence once. */
 export class DoppelGroup extends Object3D {
-  #told = new Set(); #rows = new Array(12).fill(NaN); #placed = false; #passes = new Set(); #parts = []; #caster; #posedAt = -1; #posedFor = null;
+  #told = new Set(); #rows = new Array(12).fill(NaN); #placed = false; #passes = new Set(); #parts = []; #caster;
   /** Why the person is not drawn; null: they are. */
   error = null;
 
@@ -69,7 +69,7 @@ export class DoppelGroup extends Object3D {
     };
     this.#caster = partOf(this, this.#geometry(box), unseen);
     this.#caster.onBeforeRender = () => this.#caster.geometry.setDrawRange(0, 0);
-    this.#caster.onBeforeShadow = renderer => this.#poseCaster(renderer);
+    this.#caster.onBeforeShadow = () => this.#caster.geometry.setDrawRange(0, Infinity);
     this.#caster.visible = false;
     this.#parts = [says, paints, this.#caster];
   }
@@ -88,7 +88,9 @@ export class DoppelGroup extends Object3D {
     return pass;
   }
 
+  /** three calls it before it draws: so the shadow has the pose that the person has then. */
   updateMatrixWorld(force) {
+    if (this.castShadow) this.#poseCaster();
     this.#caster.visible = this.#caster.castShadow = this.castShadow;
     super.updateMatrixWorld(force);
   }
@@ -117,22 +119,19 @@ export class DoppelGroup extends Object3D {
     this.dispatchEvent({ type: 'error', error });
   }
 
-  #poseCaster(renderer) {
-    const { geometry } = this.#caster, { frame } = renderer.info.render;
-    if (this.#posedAt !== frame || this.#posedFor !== renderer) {
-      this.#posedAt = frame, this.#posedFor = renderer;
-      try {
-        const { positions, triangles } = this.person.posedMesh();
-        if (geometry.attributes.position?.array !== positions) geometry.setAttribute('position', new BufferAttribute(positions, 3).setUsage(DynamicDrawUsage));
-        geometry.attributes.position.needsUpdate = true;
-        if (geometry.index?.array !== triangles) geometry.setIndex(new BufferAttribute(triangles, 1));
-      } catch (error) {
-        if (!(error instanceof DoppelError)) throw error;
-        this.castShadow = false;
-        this.tell(error);
-      }
+  #poseCaster() {
+    const { geometry } = this.#caster;
+    try {
+      const { positions, triangles } = this.person.posedMesh();
+      if (geometry.attributes.position?.array !== positions)
+        geometry.setAttribute('position', new BufferAttribute(positions, 3).setUsage(DynamicDrawUsage));
+      geometry.attributes.position.needsUpdate = true;
+      if (geometry.index?.array !== triangles) geometry.setIndex(new BufferAttribute(triangles, 1));
+    } catch (error) {
+      if (!(error instanceof DoppelError)) throw error;
+      this.castShadow = false;
+      this.tell(error);
     }
-    geometry.setDrawRange(0, this.castShadow ? Infinity : 0);
   }
 
   /** It cannot be cloned: a person stands in one place. */

@@ -51,7 +51,7 @@ function judgeAmong(name, scene, drawn, referee) {
     else if (near(i, on(alpha, scene.background))) person += alpha > 0.5;
     else ++odd;
   }
-  hold(name, odd <= (name.includes('antialias') ? 0.005 : 0) * total && front > 2000 && behind > 20000 && person > 5000, JSON.stringify({ odd, front, behind, person }));
+  hold(name, odd <= (name.includes('antialias') ? 0.01 : 0) * total && front > 2000 && behind > 20000 && person > 5000, JSON.stringify({ odd, front, behind, person }));
 }
 
 /** A half transparent plane that was drawn after the person: behind, it lies over what is not the person; before, over all. */
