@@ -7,16 +7,15 @@
 //
 // three draws meshes in the order of renderOrder. After all opaque ones come, of each group that can be seen, a mesh that only says so, and
 // then, of each group, one that paints. The first of these paints all (three-pass.js); why so: docs/adr/0088.
-import { BufferAttribute, BufferGeometry, Box3, DoubleSide, DynamicDrawUsage, Mesh, MeshBasicMaterial, Object3D, Sphere, Vector3 } from 'three';
+import { Box3, BufferAttribute, BufferGeometry, DynamicDrawUsage, Mesh, Object3D, Sphere, Vector3 } from 'three';
 import { Doppel, DoppelError } from './doppel.js';
-import { ScenePass, paintMaterial } from './three-pass.js';
+import { ScenePass, paintMaterial, unseenMaterial } from './three-pass.js';
 
 const SAYS = 1e9, PAINTS = SAYS + 1;  // renderOrder
 const MOST_SENTENCES = 16;
 const wrong = sentence => new DoppelError(sentence, 'DPL_ERROR_INVALID_ARGUMENT');
 const shown = new WeakSet();   // persons that have a group
 const passes = new WeakMap();  // of renderers
-const unseen = new MeshBasicMaterial({ colorWrite: false, depthWrite: false, side: DoubleSide });
 
 function passOf(renderer) {
   if (!passes.has(renderer)) passes.set(renderer, new ScenePass(renderer));
@@ -67,7 +66,7 @@ export class DoppelGroup extends Object3D {
       if (painted) this.#passOf(renderer).writeDepth(camera);
       painted = false;
     };
-    this.#caster = partOf(this, this.#geometry(box), unseen);
+    this.#caster = partOf(this, this.#geometry(box), unseenMaterial);
     this.#caster.onBeforeRender = () => this.#caster.geometry.setDrawRange(0, 0);
     this.#caster.onBeforeShadow = () => this.#caster.geometry.setDrawRange(0, Infinity);
     this.#caster.visible = false;

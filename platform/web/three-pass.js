@@ -7,8 +7,8 @@
 // three's own targets, materials and state, so a lost context and other users of the renderer are three's business. A frame allocates
 // nothing once targets and texture are large enough.
 import {
-  AlwaysDepth, BufferGeometry, CustomBlending, DataTexture, DepthFormat, DepthStencilFormat, DepthTexture, DoubleSide, FloatType, GLSL3,
-  HalfFloatType, Mesh, NearestFilter, OneFactor, OneMinusSrcAlphaFactor, RawShaderMaterial, RGBAIntegerFormat, RedFormat, ShaderMaterial,
+  BufferGeometry, CustomBlending, DataTexture, DepthFormat, DepthStencilFormat, DepthTexture, DoubleSide, FloatType, GLSL3, HalfFloatType,
+  Mesh, MeshBasicMaterial, NearestFilter, OneFactor, OneMinusSrcAlphaFactor, RawShaderMaterial, RGBAIntegerFormat, RedFormat, ShaderMaterial,
   UnsignedByteType, UnsignedInt248Type, UnsignedIntType, UnsignedShortType, Vector2, Vector4, WebGLRenderTarget,
 } from 'three';
 import { DoppelError, SPLATS_A_ROW } from './doppel.js';
@@ -76,7 +76,9 @@ void main() {
   colour = vec4(0.0);
 }`,
 });
-const MATERIALS = [paintMaterial, splatMaterial, sampleMaterial, depthMaterial];
+/** Of the mesh that only casts a shadow. */
+export const unseenMaterial = new MeshBasicMaterial({ colorWrite: false, depthWrite: false, side: DoubleSide });
+const MATERIALS = [paintMaterial, unseenMaterial, splatMaterial, sampleMaterial, depthMaterial];
 
 /** Draws `vertices` vertices that a shader makes of their number. */
 const numbered = vertices => {

@@ -5,7 +5,7 @@ import { Doppel } from '../../platform/web/doppel.js';
 import { DoppelGroup } from '../../platform/web/three-group.js';
 
 const MODULE = '/module/doppel.wasm', PERSON = '/work/person.glb', KIT = '/work/kit/';
-const WIDTH = 320, HEIGHT = 400, FRAMES = 200;
+const WIDTH = 320, HEIGHT = 400, FRAMES = 160;
 const found = { revision: THREE.REVISION, scenes: [] };
 const post = (path, body) => fetch(path, { method: 'POST', body });
 const event = (target, type) => new Promise(done => target.addEventListener(type, done, { once: true }));
@@ -39,15 +39,24 @@ function cameraNumbers(view, width, height) {
   return [width, height, fx, fy, (1 + middle.x) * width / 2, (1 - middle.y) * height / 2, ...inverse];
 }
 
-/** Draws, posts the picture, and notes what dplRenderTogether is to draw of it. */
-async function picture(name, renderer, scene, groups, { view = camera, sceneDepthM = 0, ...more } = {}) {
-  renderer.render(scene, view);
-  await post(`/picture/${name}.rgba`, read(renderer));
-  const { width, height } = renderer.domElement;
+/** Posts a picture, and notes what dplRenderTogether is to draw of it. */
+async function note(name, rgba, width, height, view, groups, more = {}) {
+  await post(`/picture/${name}.rgba`, rgba);
   found.scenes.push({
-    name, width, height, camera: cameraNumbers(view, width, height), sceneDepthM,
+    name, width, height, camera: cameraNumbers(view, width, height), sceneDepthM: 0,
     persons: groups.map(group => ({ clip: group.userData.clip, time: group.userData.time, transform: rowsOf(group.matrixWorld) })), ...more,
   });
+}
+function picture(name, renderer, scene, groups, { view = camera, ...more } = {}) {
+  renderer.render(scene, view);
+  const { width, height } = renderer.domElement;
+  return note(name, read(renderer), width, height, view, groups, more);
+}
+/** A part of a picture; x, y: its upper left corner. */
+function partOf(rgba, pitch, x, y, width, height) {
+  const part = new Uint8Array(4 * width * height);
+  for (let row = 0; row < height; ++row) part.set(rgba.subarray(4 * ((y + row) * pitch + x), 4 * ((y + row) * pitch + x + width)), 4 * width * row);
+  return part;
 }
 function groupOf(person, clip, time) {
   const group = new DoppelGroup(person);
@@ -125,6 +134,15 @@ async function among(prefix, options) {
   await picture(`${prefix}transparent-behind`, renderer, scene, [ada], { view, background: 0x405060, over: BEHIND });
   through.position.z = 1;
   await picture(`${prefix}transparent-before`, renderer, scene, [ada], { view, background: 0x405060, over: BEHIND });
+  through.material = new THREE.MeshPhysicalMaterial({ transmission: 1, roughness: 0, thickness: 0 });
+  const glass = () => {
+    renderer.render(scene, view);
+    return read(renderer);
+  };
+  const seen = glass();
+  ada.visible = false;
+  const alone = glass();
+  found[`${prefix}throughGlass`] = seen.filter((value, i) => Math.abs(value - alone[i]) > 20).length;
   ada.dispose();
   renderer.dispose();
 }
@@ -150,21 +168,26 @@ async function elsewhere() {
       }
       display[to + 3] = Math.round(255 * alpha);
     }
-  await picture('linear-target', renderer, scene, [ada]);
-  await post('/picture/linear-target.rgba', display);
+  await note('linear-target', display, WIDTH, HEIGHT, camera, [ada]);
   target.dispose();
 
   renderer.setSize(WIDTH + 70, HEIGHT + 50);
   renderer.setViewport(40, 30, WIDTH, HEIGHT);
   renderer.render(scene, camera);
-  const whole = read(renderer), part = new Uint8Array(4 * WIDTH * HEIGHT);
-  for (let y = 0; y < HEIGHT; ++y) {  // 30 px from below: 20 rows lie above
-    const from = 4 * ((y + 20) * (WIDTH + 70) + 40);
-    part.set(whole.subarray(from, from + 4 * WIDTH), 4 * WIDTH * y);
-  }
+  const whole = read(renderer);
+  await note('viewport', partOf(whole, WIDTH + 70, 40, 20, WIDTH, HEIGHT), WIDTH, HEIGHT, camera, [ada]);  // 20 of 50 rows lie above
+  const eyes = [-0.4, 0.4].map((x, i) => {
+    const eye = camera.clone();
+    eye.position.x += x;
+    eye.aspect = 160 / HEIGHT, eye.updateProjectionMatrix();
+    eye.viewport = new THREE.Vector4(160 * i, 0, 160, HEIGHT);
+    eye.updateMatrixWorld();
+    return eye;
+  });
   renderer.setSize(WIDTH, HEIGHT);
-  await picture('viewport', renderer, scene, [ada]);
-  await post('/picture/viewport.rgba', part);
+  renderer.render(scene, new THREE.ArrayCamera(eyes));
+  const both = read(renderer);
+  for (const [i, eye] of eyes.entries()) await note(`array-camera-${i}`, partOf(both, WIDTH, 160 * i, 0, 160, HEIGHT), 160, HEIGHT, eye, [ada]);
   ada.dispose();
   renderer.dispose();
 }
@@ -266,7 +289,10 @@ async function refused() {
   const orthographic = covered(new THREE.OrthographicCamera(-2, 2, 2, -2, 0.1, 10)), bent = camera.clone();
   bent.position.x = NaN;
   const nowhere = covered(bent);
-  found.refused = { both, one, again, fine, orthographic, nowhere, ada: ada.userData.errors, bob: bob.userData.errors };
+  scene.overrideMaterial = new THREE.MeshNormalMaterial();  // a pass of an effect: persons are not in it
+  const overridden = covered();
+  scene.overrideMaterial = null;
+  found.refused = { both, overridden, one, again, fine, orthographic, nowhere, ada: ada.userData.errors, bob: bob.userData.errors };
   const thrown = body => {
     try {
       body();
@@ -303,45 +329,54 @@ async function lostDevice() {
   renderer.dispose();
 }
 
-/** Memory after many frames, and what is left after dispose(). */
+/** Memory after many frames, beside the same without persons, and what is left after dispose(). Few splats: SwiftShader is slow. */
 async function many() {
   const renderer = rendererOf(), scene = new THREE.Scene(), view = camera.clone(), light = new THREE.DirectionalLight();
-  renderer.setSize(120, 160);
+  renderer.setSize(60, 80);
   renderer.shadowMap.enabled = true;
   light.castShadow = true;
+  light.shadow.mapSize.set(64, 64);
   const floor = box(4, 0.1, 4, 0x808080), glass = box(1, 1, 1, 0xffffff, { transparent: true, opacity: 0.3 });
+  floor.castShadow = true;
   scene.add(floor, glass, light);
   renderer.render(scene, view);
-  const before = { ...renderer.info.memory, programs: renderer.info.programs.length };
+  const held = () => ({ ...renderer.info.memory, programs: renderer.info.programs.length }), before = held();
   const groups = persons.map((person, i) => groupOf(person, i, 0));
-  for (const { person } of groups) person.setDetail({ splatBudget: 3000 });  // SwiftShader is slow
-  for (const group of groups) group.castShadow = true;
+  for (const group of groups) group.castShadow = true, group.person.setDetail({ splatBudget: 500 });
   scene.add(...groups);
   groups[1].position.x = 0.3;
-  const frame = i => {
-    persons[0].setClip(0, i / 30);
-    groups[0].position.z = 0.2 * Math.sin(i / 10);
-    renderer.render(scene, view);
-  };
   const settle = async () => {
     read(renderer);
     await new Promise(done => setTimeout(done, 100));
     globalThis.gc();
     return performance.memory.usedJSHeapSize;
   };
-  for (let i = 0; i < 40; ++i) frame(i);
-  let half = 0, least = 0, most = 0;
-  for (let i = 0; i < FRAMES; ++i) {
-    frame(i);
-    if (i % 20 === 19) await new Promise(requestAnimationFrame);
-    if (i === FRAMES / 2 - 1) half = await settle(), least = performance.memory.usedJSHeapSize;
-    if (i >= FRAMES / 2) most = Math.max(most, performance.memory.usedJSHeapSize);
-  }
-  const end = await settle(), during = { ...renderer.info.memory };
+  /** Bytes of garbage a frame, and what stayed of all. */
+  const measure = async frames => {
+    const start = await settle();
+    let garbage = 0;
+    for (let done = 0; done < frames; done += 20) {
+      const from = performance.memory.usedJSHeapSize;
+      for (let i = 0; i < 20; ++i) {
+        persons[0].setClip(0, i / 30);
+        groups[0].position.z = 0.01 * i;
+        renderer.render(scene, view);
+      }
+      garbage += performance.memory.usedJSHeapSize - from;
+      await settle();
+    }
+    return { garbage: garbage / frames, grown: await settle() - start };
+  };
+  await measure(FRAMES);
+  const drawn = await measure(FRAMES), during = held();
+  for (const group of groups) group.visible = false;
+  await measure(FRAMES / 2);
+  const hidden = await measure(FRAMES / 2);
   for (const group of groups) group.dispose();
   renderer.render(scene, view);
-  found.growth = { later: end - half, garbage: (most - least) / (FRAMES / 2), before, during, after: { ...renderer.info.memory, programs: renderer.info.programs.length } };
+  found.growth = { frames: FRAMES, drawn, hidden, before, during, after: held() };
   renderer.dispose();
+  for (const person of persons) person.setDetail();
 }
 
 try {
