@@ -220,8 +220,7 @@ DplResult dplGetPosedMesh(DplAvatar avatar, float* positions, uint32_t vertexCou
                 for (int axis = 0; axis < 3; ++axis) *positions++ = p[axis];
         const std::vector<uint8_t>& leftOut = surfaceOf(*found).leftOut;
         for (size_t t = 0; t < triangleCount; ++t)
-            for (int corner = 0; corner < 3; ++corner)
-                *triangles++ = !leftOut.empty() && leftOut[t] != 0 ? 0 : mesh.triangles[t][corner];
+            for (int corner = 0; corner < 3; ++corner) *triangles++ = !leftOut.empty() && leftOut[t] != 0 ? 0 : mesh.triangles[t][corner];
         return {};
     });
 }
