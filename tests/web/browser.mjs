@@ -18,14 +18,17 @@ const LIMIT_MS = Number(process.env.WEB_LIMIT_S ?? 600) * 1000;
 const FLAGS = ['--headless=new', '--no-sandbox', '--no-first-run', '--enable-logging=stderr', '--use-gl=angle', '--use-angle=swiftshader',
   '--enable-unsafe-swiftshader', '--enable-precise-memory-info', '--js-flags=--expose-gc'];
 
+const POLICY = "script-src 'self' 'wasm-unsafe-eval'";
+
 /** An inline import map of a page, for its policy. */
 function hashOfMap(file) {
   const map = file.endsWith('.html') && /<script type="importmap">(.*?)<\/script>/s.exec(fs.readFileSync(file, 'utf8'));
   return map ? ` 'sha256-${crypto.createHash('sha256').update(map[1]).digest('base64')}'` : '';
 }
 
-/** folders: more of them, by the name that addresses begin with. {result, pictures, moduleRequests}: what the page posted to /found, and to /picture by name, and the requests for the module. */
-export async function visit(page, folders = {}) {
+/** folders: more of them, by the name that addresses begin with. policy: of the pages. {result, pictures, moduleRequests}: what the page
+ *  posted to /found, and to /picture by name, and the requests for the module. */
+export async function visit(page, folders = {}, policy = POLICY) {
   const all = { ...FOLDERS, ...folders };
   const pictures = new Map(), moduleRequests = [];
   let foundAll;
@@ -47,7 +50,7 @@ export async function visit(page, folders = {}) {
     if (!Object.values(all).some(folder => file.startsWith(folder + path.sep)) || !fs.existsSync(file)) return response.writeHead(404).end();
     response.writeHead(200, {
       'content-type': TYPES[path.extname(file)] ?? 'application/octet-stream', 'content-length': fs.statSync(file).size,
-      'content-security-policy': `script-src 'self' 'wasm-unsafe-eval'${hashOfMap(file)}`,
+      'content-security-policy': policy === POLICY ? POLICY + hashOfMap(file) : policy,
     });
     fs.createReadStream(file).pipe(response);
   });

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// node three_test.mjs VERSION... [--json FILE]: three_page.mjs in headless Chromium with each version of three.js, which are folders of
-// WEB_THREE. WEB_REFEREE_PROGRAM: web_referee. Writes the pictures to WEB_WORK/three, and its figures to FILE, a JSON object a line. The
+// node three_test.mjs VERSION... [--json FILE]: three_page.mjs in headless Chromium with each version of three.js. They are in
+// folders three-VERSION of WEB_THREE. WEB_REFEREE_PROGRAM: web_referee. Writes the pictures to WEB_WORK/three, and its figures to FILE, a JSON object a line. The
 // rest: browser.mjs.
 import assert from 'node:assert/strict';
 import { execFileSync } from 'node:child_process';
@@ -87,7 +87,7 @@ function judgeRefused({ both, overridden, one, again, fine, orthographic, nowher
 const { values: options, positionals: versions } = parseArgs({ allowPositionals: true, options: { json: { type: 'string' } } });
 assert.ok(versions.length > 0, 'no version');
 for (const version of versions) {
-  const { result, pictures } = await visit('three.html', { three: path.join(WEB_THREE, version, 'build') });
+  const { result, pictures } = await visit('three.html', { three: path.join(WEB_THREE, `three-${version}`) });
   const folder = path.join(WEB_WORK, 'three', version);
   fs.mkdirSync(folder, { recursive: true });
   console.log(`three.js r${result.revision}`);
@@ -118,7 +118,8 @@ for (const version of versions) {
   console.log(`  memory of JavaScript after ${frames} frames: ${drawn.grown} bytes more; garbage a frame of two persons ${garbage.toFixed(0)} bytes, of three.js `
     + `itself ${hidden.garbage.toFixed(0)}`);
   hold('memory stays', drawn.grown < 28 * frames, JSON.stringify(growth));  // one object a frame
-  hold('a frame leaves little', garbage < 4096, JSON.stringify(growth));    // measured 2,400: numbers that V8 boxes, and WebGL's bindings
+  // Measured 2,400 to 5,600: numbers that V8 boxes until it optimises. A copy of these splats would be 32,000, one of the meshes more.
+  hold('a frame leaves little', garbage < 12000, JSON.stringify(growth));
   hold('dispose', during.textures > before.textures && JSON.stringify(after) === JSON.stringify(before), JSON.stringify(growth));
 }
 assert.deepEqual(failed, []);
