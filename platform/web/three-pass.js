@@ -296,8 +296,9 @@ export class ScenePass {
     return work;
   }
 
+  /** depth: a number in DEPTHS; below 0: none. Of bytes where the device refuses half floats. */
   #target(depth) {
-    const { extensions } = this.#renderer;
+    const { extensions } = this.#renderer, gl = this.#renderer.getContext();
     this.#type ??= extensions.has('EXT_color_buffer_float') || extensions.has('EXT_color_buffer_half_float') ? HalfFloatType : UnsignedByteType;
     const target = new WebGLRenderTarget(1, 1, {
       count: 2, type: this.#type, minFilter: NearestFilter, magFilter: NearestFilter, depthBuffer: depth >= 0,
@@ -309,7 +310,11 @@ export class ScenePass {
       target.depthTexture.format = DEPTHS[depth][0];
     }
     target.scissorTest = true;
-    return target;
+    this.#renderer.setRenderTarget(target);
+    if (this.#type === UnsignedByteType || gl.isContextLost() || gl.checkFramebufferStatus(gl.FRAMEBUFFER) === gl.FRAMEBUFFER_COMPLETE) return target;
+    target.depthTexture?.dispose(), target.dispose();
+    this.#type = UnsignedByteType;
+    return this.#target(depth);
   }
 
   /** Draws into a target from now on, within a rectangle. */
@@ -342,7 +347,8 @@ export class ScenePass {
     const gl = this.#renderer.getContext();
     this.#sum ??= this.#target(-1);
     for (let k = 0; k < this.#splats.samples; ++k) {
-      if (k > 0) this.#bind(work, x, y, width, height), this.#clear(gl);
+      this.#bind(work, x, y, width, height);
+      if (k > 0) this.#clear(gl);
       this.#blend(camera, work, SAMPLE_X[k], SAMPLE_Y[k]);
       this.#bind(this.#sum, x, y, width, height);
       if (k === 0) this.#clear(gl);

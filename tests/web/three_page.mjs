@@ -110,6 +110,28 @@ async function alone() {
   renderer.dispose();
 }
 
+/** On devices without targets of half floats, as they say or as it turns out. */
+async function bytes() {
+  const prototype = WebGL2RenderingContext.prototype, { getExtension, checkFramebufferStatus } = prototype;
+  const refuse = [['bytes', () => {
+    prototype.getExtension = function(name) { return /color_buffer/.test(name) ? null : getExtension.call(this, name); };
+  }], ['bytes-later', () => {
+    prototype.checkFramebufferStatus = function(which) {
+      const kind = this.getFramebufferAttachmentParameter(which, this.COLOR_ATTACHMENT0, this.FRAMEBUFFER_ATTACHMENT_COMPONENT_TYPE);
+      return kind === this.FLOAT ? this.FRAMEBUFFER_UNSUPPORTED : checkFramebufferStatus.call(this, which);
+    };
+  }]];
+  for (const [name, begin] of refuse) {
+    begin();
+    const renderer = rendererOf(), scene = new THREE.Scene(), ada = groupOf(persons[0], 0, 0.4);
+    scene.add(ada);
+    await picture(name, renderer, scene, [ada], { bytes: true });
+    Object.assign(prototype, { getExtension, checkFramebufferStatus });
+    ada.dispose();
+    renderer.dispose();
+  }
+}
+
 const FRONT = 0x2060c0, BEHIND = 0xc04020;
 /** Among meshes. front, behind, through: boxes and planes that face the camera, with their distance. */
 async function among(prefix, options) {
@@ -379,6 +401,7 @@ async function many() {
 
 try {
   await alone();
+  await bytes();
   await among('');
   await among('antialias-', { antialias: true });
   await elsewhere();

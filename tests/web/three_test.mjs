@@ -13,6 +13,7 @@ import { compare } from './shots.mjs';
 
 const LEAST_DB = 60;       // as on a canvas of their own
 const LEAST_DB_SCENE = 45;
+const LEAST_DB_BYTES = 45;  // every splat is rounded to 8 bits, as in webgl_test.mjs
 const { WEB_WORK, WEB_REFEREE_PROGRAM, WEB_THREE } = process.env;
 const rows = [], failed = [];
 
@@ -101,7 +102,7 @@ for (const version of versions) {
     if (scene.front !== undefined) judgeAmong(name, scene, drawn, referee);
     else if (scene.over !== undefined) judgeTransparent(name, scene, drawn, referee);
     else if (scene.background !== undefined) judge(name, drawn, over(referee, scene.background), LEAST_DB_SCENE);
-    else judge(name, drawn, referee, LEAST_DB);
+    else judge(name, drawn, referee, scene.bytes ? LEAST_DB_BYTES : LEAST_DB);
   }
   const { samples, shadow, refused, lost, growth } = result;
   fs.writeFileSync(path.join(folder, 'samples.png'), png(pictures.get('samples'), samples.width, samples.height));
