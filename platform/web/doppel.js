@@ -298,7 +298,8 @@ export class Doppel {
    *  triangle. triangles is another array once a layer was hidden or shown. A warm call allocates nothing. */
   posedMesh() {
     const vertices = 3 * this.vertexCount, corners = 3 * this.triangleCount, mesh = this.#mesh, triangles = mesh.triangles;
-    if (!this.#meshAt && !(this.#meshAt = this.#call('webAllocate', 4 * (vertices + corners) + 4))) throw this.#refused(4 * (vertices + corners));
+    this.#meshAt ||= this.#call('webAllocate', 4 * (vertices + corners) + 4);
+    if (!this.#meshAt) throw this.#refused(4 * (vertices + corners));
     const at = this.#meshAt, cornersAt = triangles ? 0 : at + 4 * vertices;
     this.#alive();
     let result;

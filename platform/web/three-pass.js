@@ -3,20 +3,22 @@
 //
 //   project each person ─► merge by depth ─► one texture ─► blend behind a copy of the scene's depth ─► onto the scene, then its depth
 //
-// Colours are blended as in training, in display values, apart from the scene; three encodes them for where it draws. Everything goes through
-// three's own targets, materials and state, so a lost context and other users of the renderer are three's business. A frame allocates
-// nothing once targets and texture are large enough.
+// Colours are blended as in training, in display values, apart from the scene; three encodes them for where it draws. Everything goes
+// through three's own targets, materials and state, so a lost context and other users of the renderer are three's business. A frame
+// makes no object once targets and texture are large enough.
 import {
   BufferGeometry, CustomBlending, DataTexture, DepthFormat, DepthStencilFormat, DepthTexture, DoubleSide, FloatType, GLSL3, HalfFloatType,
-  Mesh, MeshBasicMaterial, NearestFilter, OneFactor, OneMinusSrcAlphaFactor, RawShaderMaterial, RGBAIntegerFormat, RedFormat, ShaderMaterial,
-  UnsignedByteType, UnsignedInt248Type, UnsignedIntType, UnsignedShortType, Vector2, Vector4, WebGLRenderTarget,
+  Mesh, MeshBasicMaterial, NearestFilter, OneFactor, OneMinusSrcAlphaFactor, RGBAIntegerFormat, RawShaderMaterial, RedFormat,
+  ShaderMaterial, UnsignedByteType, UnsignedInt248Type, UnsignedIntType, UnsignedShortType, Vector2, Vector4, WebGLRenderTarget,
 } from 'three';
 import { DoppelError, SPLATS_A_ROW } from './doppel.js';
 import { FINAL_VERTEX, SAMPLE_X, SAMPLE_Y, SPLAT_FRAGMENT, SPLAT_VERTEX } from './webgl-renderer.js';
 
 const SPLAT_WORDS = 8, DEPTH_WORD = 2, AT_CENTRE = 0x80000000;  // DplScreenSplat; the mark is the sign of its depth
 // Depth can be copied only into the same format, and nobody tells that of a canvas: they are tried in this order.
-const DEPTHS = [[DepthStencilFormat, UnsignedInt248Type], [DepthFormat, UnsignedIntType], [DepthFormat, FloatType], [DepthFormat, UnsignedShortType]];
+const DEPTHS = [
+  [DepthStencilFormat, UnsignedInt248Type], [DepthFormat, UnsignedIntType], [DepthFormat, FloatType], [DepthFormat, UnsignedShortType],
+];
 const NOTHING = new Float32Array(4), FARTHEST = new Float32Array([1]);
 const unsupported = sentence => new DoppelError(sentence, 'DPL_ERROR_UNSUPPORTED');
 
@@ -299,7 +301,8 @@ export class ScenePass {
   /** depth: a number in DEPTHS; below 0: none. Of bytes where the device refuses half floats. */
   #target(depth) {
     const { extensions } = this.#renderer, gl = this.#renderer.getContext();
-    this.#type ??= extensions.has('EXT_color_buffer_float') || extensions.has('EXT_color_buffer_half_float') ? HalfFloatType : UnsignedByteType;
+    const halves = extensions.has('EXT_color_buffer_float') || extensions.has('EXT_color_buffer_half_float');
+    this.#type ??= halves ? HalfFloatType : UnsignedByteType;
     const target = new WebGLRenderTarget(1, 1, {
       count: 2, type: this.#type, minFilter: NearestFilter, magFilter: NearestFilter, depthBuffer: depth >= 0,
       stencilBuffer: depth >= 0 && DEPTHS[depth][0] === DepthStencilFormat,
@@ -311,7 +314,8 @@ export class ScenePass {
     }
     target.scissorTest = true;
     this.#renderer.setRenderTarget(target);
-    if (this.#type === UnsignedByteType || gl.isContextLost() || gl.checkFramebufferStatus(gl.FRAMEBUFFER) === gl.FRAMEBUFFER_COMPLETE) return target;
+    const drawn = gl.checkFramebufferStatus(gl.FRAMEBUFFER) === gl.FRAMEBUFFER_COMPLETE;
+    if (drawn || this.#type === UnsignedByteType || gl.isContextLost()) return target;
     target.depthTexture?.dispose(), target.dispose();
     this.#type = UnsignedByteType;
     return this.#target(depth);

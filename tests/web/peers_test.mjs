@@ -14,7 +14,8 @@ const LEAST_ALIKE_DB = 20;  // the same person from the same camera; upside down
 const { WEB_WORK, WEB_THREE, WEB_SPARK, WEB_PLAYCANVAS } = process.env;
 const { values: options } = parseArgs({ options: { json: { type: 'string' } } });
 const version = folder => JSON.parse(fs.readFileSync(path.join(folder, 'package.json'))).version;
-const versions = { doppel: `with three.js ${version(WEB_THREE)}`, spark: `${version(WEB_SPARK)} with three.js ${version(WEB_THREE)}`, playcanvas: version(WEB_PLAYCANVAS) };
+const three = `with three.js ${version(WEB_THREE)}`;
+const versions = { doppel: three, spark: `${version(WEB_SPARK)} ${three}`, playcanvas: version(WEB_PLAYCANVAS) };
 // Spark makes its worker of a blob, and both of text.
 const { result, pictures } = await visit('peers.html', {
   three: WEB_THREE, spark: path.join(WEB_SPARK, 'dist'), playcanvas: path.join(WEB_PLAYCANVAS, 'build'),
@@ -24,9 +25,10 @@ const rows = [];
 for (const { name, ms, least } of result.peers) {
   const picture = pictures.get(name), { db } = compare(picture, pictures.get('doppel'));
   fs.writeFileSync(path.join(WEB_WORK, 'peers', `${name}.png`), png(picture, 480, 640));
-  console.log(`${name} ${versions[name]}: ${ms.toFixed(0)} ms a frame, at least ${least.toFixed(0)}; ${db === Infinity ? '' : `${db.toFixed(1)} dB to Doppel`}`);
+  console.log(`${name} ${versions[name]}: ${ms.toFixed(0)} ms a frame, at least ${least.toFixed(0)}; ${db.toFixed(1)} dB to Doppel`);
   assert.ok(db >= LEAST_ALIKE_DB, `${name} draws something else`);
-  rows.push({ row: 'peer', peer: name, version: versions[name], size: result.size, splats: result.splats, frames: result.frames, ms_p50: ms, ms_least: least, bars: {} });
+  const { size, splats, frames } = result;
+  rows.push({ row: 'peer', peer: name, version: versions[name], size, splats, frames, ms_p50: ms, ms_least: least, bars: {} });
 }
 assert.equal(rows.length, 3);
 if (options.json) fs.writeFileSync(options.json, rows.map(row => `${JSON.stringify(row)}\n`).join(''));
