@@ -5,7 +5,8 @@
     bundle.py FIRST.js OUT.js
 
 Each module becomes a function that returns what it exports, so that their names do not meet. Comments of lines and at their ends and spaces
-before and behind lines are left out, in templates too. Knows
+before and behind lines are left out, in templates too, and what a page with a person in itself does not need: lines from `// [not in pages]`
+to `// [in pages]`, and of shaders from `#ifdef IN_SCENE` to `#else` or `#endif`. Knows
 `import { a, b } from './file.js'`, `import './file.js'`, and `export` before const, function, async function and class; other forms
 are an error. No module may await outside of its functions.
 """
@@ -16,6 +17,8 @@ import sys
 IMPORT = re.compile(r"^import\s+(?:\{([^}]*)\}\s+from\s+)?['\"](\.{1,2}/[^'\"]+)['\"];\s*$", re.MULTILINE)
 EXPORT = re.compile(r"^export\s+((?:async\s+)?function\*?|class|const)\s+(\w+)", re.MULTILINE)
 TRAILING = re.compile(r"[ \t]{2,}// [^'\"`\n]*$", re.MULTILINE)  # without quotes: so it stands in no string
+LEFT_OUT = re.compile(r"^[ \t]*// \[not in pages\]\n.*?^[ \t]*// \[in pages\]\n", re.MULTILINE | re.DOTALL)
+IN_SCENE = re.compile(r"^#ifdef IN_SCENE\n(?:(?!^#).*\n)*?(?:#else\n((?:(?!^#).*\n)*?))?#endif\n", re.MULTILINE)
 COMMENT = re.compile(r"^[ \t]*(?://[^\n]*|/\*\*?.*?\*/[ \t]*)\n", re.MULTILINE | re.DOTALL)
 
 
@@ -26,7 +29,10 @@ def bundle(first):
         if path in seen:
             return
         seen[path] = None
-        text = TRAILING.sub("", COMMENT.sub("", path.read_text(encoding="utf-8")))
+        text = IN_SCENE.sub(lambda m: m.group(1) or "", LEFT_OUT.sub("", path.read_text(encoding="utf-8")))
+        if odd := re.search(r"IN_SCENE\b(?! \()|// \[(?:not )?in pages\]", text):
+            sys.exit(f"{path}: '{odd.group(0)}' has no partner")
+        text = TRAILING.sub("", COMMENT.sub("", text))
         for _, target in IMPORT.findall(text):
             visit((path.parent / target).resolve())
         seen[path] = f"m{len(order)}"

@@ -164,6 +164,7 @@ export class Doppel {
   #exports; #memory; #context = 0; #avatar = 0; #scratch = 0; #image = 0; #imageBytes = 0; #lost = null; #tracker = 0;
   #floats; #doubles; #words;  // views of all memory, made anew when it has grown: viewMemory()
   #splats = 0; #capacity = 0; #projection = { words: null, at: 0, counts: [0, 0], samples: 1, rows: 0 };
+  #meshAt = 0; #mesh = { positions: null, triangles: null };
 
   /** Loads an avatar (.glb) or general splats.
    *  source: a URL, a Response, a Blob, or bytes. options.module: where doppel.wasm is, its bytes, or the compiled module; otherwise beside
@@ -245,6 +246,7 @@ export class Doppel {
     return { name: this.#text(this.#call('webClipName', this.#avatar, i)), duration: this.#call('webClipDuration', this.#avatar, i) };
   }
 
+  // [not in pages]
   /** Poses the person: a quaternion for each joint, 4 · joints.length numbers; the identity is the rest pose. translation: of the root,
    *  metres. */
   setPose(rotations, translation = [0, 0, 0]) {
@@ -262,6 +264,7 @@ export class Doppel {
     this.#check(result);
   }
 
+  // [in pages]
   /** Poses the person as a clip does at `time`, seconds. clip: its number or its name. */
   setClip(clip, time, options) {
     let index = clip;
@@ -280,6 +283,7 @@ export class Doppel {
     this.#check(result);
   }
 
+  // [not in pages]
   /** Reads a motion (BVH or GLB) for this person and returns the number of the new clip. source: as of Doppel.load. inPlace: without
    *  travel. */
   async loadClip(source, { name = '', animation = 0, inPlace = false, ...options } = {}) {
@@ -300,8 +304,8 @@ export class Doppel {
   /** Places the person in the world: 12 numbers, a 3×4 matrix row by row; null: where they were at first. */
   setTransform(worldFromAvatar) {
     if (worldFromAvatar && worldFromAvatar.length !== 12) throw wrong(`a transform of ${worldFromAvatar.length} numbers; 12 are needed`);
-    this.#alive();
-    if (worldFromAvatar) new Float32Array(this.#memory.buffer, this.#scratch, 12).set(worldFromAvatar);
+    this.#viewMemory();
+    for (let k = 0; worldFromAvatar && k < 12; ++k) this.#floats[(this.#scratch >> 2) + k] = worldFromAvatar[k];
     this.#check(this.#call('dplSetTransform', this.#avatar, worldFromAvatar ? this.#scratch : 0));
   }
 
@@ -311,6 +315,7 @@ export class Doppel {
     const names = this.layers.map(l => l.name).join(', ') || 'none';
     if (index < 0) throw new DoppelError(`there is no layer '${layer}'; there are: ${names}`, RESULTS[2]);
     this.#check(this.#call('dplHideLayer', this.#avatar, index, hidden ? 1 : 0));
+    this.#mesh.triangles = null;
   }
 
   /** Begins to follow somebody before a camera: then give track() what MediaPipe Pose sees, and pose by setPoseFromTracker(). Begun again,
@@ -354,11 +359,35 @@ export class Doppel {
     if (!(Math.abs(timeMs) <= MOST_MS)) throw wrong(`a time of ${timeMs} ms; it must be a finite number`);
   }
 
+  /** The posed mesh {positions, triangles}, which the next call overwrites: 3 numbers a vertex, metres, before setTransform; 3 vertices a
+   *  triangle. triangles is another array once a layer was hidden or shown. A warm call allocates nothing. */
+  posedMesh() {
+    const vertices = 3 * this.vertexCount, corners = 3 * this.triangleCount, mesh = this.#mesh, triangles = mesh.triangles;
+    this.#meshAt ||= this.#call('webAllocate', 4 * (vertices + corners) + 4);
+    if (!this.#meshAt) throw this.#refused(4 * (vertices + corners));
+    const at = this.#meshAt, cornersAt = triangles ? 0 : at + 4 * vertices;
+    this.#alive();
+    let result;
+    try {
+      result = this.#exports.dplGetPosedMesh(this.#avatar, at, this.vertexCount, cornersAt, triangles ? 0 : this.triangleCount);
+    } catch (error) {
+      throw this.#died(error);
+    }
+    this.#check(result);
+    this.#viewMemory();
+    mesh.positions ??= new Float32Array(vertices);
+    for (let k = 0, from = at >> 2; k < vertices; ++k) mesh.positions[k] = this.#floats[from + k];
+    if (!triangles) mesh.triangles = this.#words.slice(cornersAt >> 2, (cornersAt >> 2) + corners);
+    return mesh;
+  }
+
+  // [in pages]
   /** Draws fewer splats where they are not seen (splatsPerPixel; 12 is usual) and never more than splatBudget. 0: no limit. */
   setDetail({ splatsPerPixel = 0, splatBudget = 0 } = {}) {
     this.#check(this.#call('webSetDetail', this.#context, splatsPerPixel, splatBudget));
   }
 
+  // [not in pages]
   /** World positions of all joints: 3 numbers each, metres. */
   jointPositions() {
     const count = this.joints.length, at = this.#call('webAllocate', 12 * count + 4);
@@ -370,6 +399,7 @@ export class Doppel {
     return positions;
   }
 
+  // [in pages]
   /** A camera {width, height, fx, fy, cx, cy, viewFromWorld} for draw(). It looks along its +z, with y down. fovY: vertical field of view,
    *  radians. into: a camera to overwrite instead of a new one. */
   lookAt(options, into = { viewFromWorld: new Array(12) }) {

@@ -9,10 +9,11 @@
 import { DoppelError, SPLATS_A_ROW } from './doppel.js';
 
 // Coverage samples: sdk/math/formulas/constants.h. From the centre of the pixel, px.
-const SAMPLE_X = [-0.125, 0.375, -0.375, 0.125], SAMPLE_Y = [-0.375, -0.125, 0.125, 0.375];
+export const SAMPLE_X = [-0.125, 0.375, -0.375, 0.125], SAMPLE_Y = [-0.375, -0.125, 0.125, 0.375];
 const MOST_LAYERS = 4;
 
-const SPLAT_VERTEX = `#version 300 es
+// IN_SCENE (three-group.js): within the depth of a scene, upside up, and with a second target for the mean depth.
+export const SPLAT_VERTEX = `
 precision highp float;
 precision highp int;
 precision highp usampler2D;
@@ -22,14 +23,24 @@ uniform int first;
 flat out vec4 centreForm;   // centre px; -½ log₂e conicA; slope
 flat out vec2 formOpacity;  // -½ log₂e inverseVarianceY; log₂ opacity
 flat out vec3 rgb;
+#ifdef IN_SCENE
+uniform vec2 clipZ, depths;  // z of clip space: x + y / view z; depth: x is 0, 1 / y more is 1
+flat out float depth;
+#endif
 void main() {
   const float log2e = 1.4426950408889634;
   int splat = first + gl_VertexID / 3, corner = gl_VertexID % 3;
   ivec2 at = ivec2(2 * (splat % ${SPLATS_A_ROW}), splat / ${SPLATS_A_ROW});
   uvec4 a = texelFetch(splats, at, 0), b = texelFetch(splats, at + ivec2(1, 0), 0);
-  vec2 centre = uintBitsToFloat(a.xy) - samplePx, shape = uintBitsToFloat(b.xy);
+  vec2 centre = uintBitsToFloat(a.xy), shape = uintBitsToFloat(b.xy);
   float conicA = uintBitsToFloat(a.w), slope = shape.x, inverseVarianceY = shape.y;
   float opacity = float(b.w >> 16) / 65535.0;
+#ifdef IN_SCENE
+  float viewZ = abs(uintBitsToFloat(a.z));
+  depth = (viewZ - depths.x) * depths.y;
+  if (a.z >> 31 == 0u)
+#endif
+  centre -= samplePx;
   rgb = vec3(b.z & 65535u, b.z >> 16, b.w & 65535u) / 65535.0;
   centreForm = vec4(centre, -0.5 * log2e * conicA, slope);
   formOpacity = vec2(-0.5 * log2e * inverseVarianceY, log2(opacity));
@@ -46,27 +57,41 @@ void main() {
     px = low + 2.0 * (high - low) * vec2(corner == 1 ? 1.0 : 0.0, corner == 2 ? 1.0 : 0.0);
   }
   gl_Position = vec4(2.0 * px / sizePx - 1.0, 0.0, 1.0);  // top row first, so gl_FragCoord has its origin at the top left
+#ifdef IN_SCENE
+  gl_Position.yz = vec2(-gl_Position.y, clipZ.x + clipZ.y / viewZ);
+#endif
 }`;
 
-const SPLAT_FRAGMENT = `#version 300 es
+export const SPLAT_FRAGMENT = `
 precision highp float;
 flat in vec4 centreForm;
 flat in vec2 formOpacity;
 flat in vec3 rgb;
+#ifdef IN_SCENE
+uniform vec2 corner;  // upper left, in the target
+flat in float depth;
+layout(location = 0) out vec4 colour;
+layout(location = 1) out vec4 depthSum;
+#else
+const vec2 corner = vec2(0.0);
 out vec4 colour;
+#endif
 void main() {
-  vec2 d = gl_FragCoord.xy - centreForm.xy;
+  vec2 d = abs(gl_FragCoord.xy - corner) - centreForm.xy;  // the picture lies below the corner of a scene, above that of a texture
   float across = d.x + centreForm.w * d.y;
   float alpha = min(0.99, exp2(formOpacity.y + centreForm.z * across * across + formOpacity.x * d.y * d.y));
   if (!(alpha >= 1.0 / 255.0)) discard;
   colour = vec4(rgb * alpha, alpha);
+#ifdef IN_SCENE
+  depthSum = vec4(depth * alpha, 0.0, 0.0, alpha);
+#endif
 }`;
 
-const FINAL_VERTEX = `#version 300 es
+export const FINAL_VERTEX = `
 void main() { gl_Position = vec4(gl_VertexID == 1 ? 3.0 : -1.0, gl_VertexID == 2 ? 3.0 : -1.0, 0.0, 1.0); }`;
 
 // The mean of the samples, upside up. origin: of the picture on the canvas.
-const FINAL_FRAGMENT = `#version 300 es
+const FINAL_FRAGMENT = `
 precision highp float;
 precision highp sampler2DArray;
 uniform sampler2DArray picture;
@@ -87,7 +112,7 @@ function programOf(gl, vertex, fragment) {
   const program = gl.createProgram();
   for (const [type, source] of [[gl.VERTEX_SHADER, vertex], [gl.FRAGMENT_SHADER, fragment]]) {
     const shader = gl.createShader(type);
-    gl.shaderSource(shader, source);
+    gl.shaderSource(shader, `#version 300 es${source}`);
     gl.compileShader(shader);
     gl.attachShader(program, shader);
     gl.deleteShader(shader);
@@ -255,6 +280,7 @@ export class SplatRenderer {
     return true;
   }
 
+  // [not in pages]
   /** Draws one or two views into another framebuffer of this context, each replacing a rectangle there; webxr.js calls it. right,
    *  rightAt: null for one view. leftAt, rightAt: {x, y}, lower left corners, px. Returns as draw(). */
   drawEyes(person, left, right, framebuffer, leftAt, rightAt) {
@@ -269,6 +295,7 @@ export class SplatRenderer {
     return true;
   }
 
+  // [in pages]
   /** Blends the splats of view 0 or 1 into the layers. */
   #blendView(made, view, width, height) {
     const gl = this.#gl, first = view === 0 ? 0 : made.counts[0];

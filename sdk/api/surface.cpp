@@ -164,6 +164,12 @@ Result<SurfaceRay> rayOf(const float* origin, const float* direction) {
     return SurfaceRay{{origin[0], origin[1], origin[2]}, along / length};
 }
 
+/** Whether there is room for all `count` of something, or nothing is wanted. */
+Status checkCount(const char* what, const void* out, size_t given, size_t count) {
+    if (out != nullptr ? given == count : given == 0) return {};
+    return fail(Code::InvalidArgument, "{}room for {} {}; the avatar has {}", out == nullptr ? "NULL with " : "", given, what, count);
+}
+
 }  // namespace
 
 extern "C" {
@@ -197,6 +203,24 @@ DplResult dplHideLayer(DplAvatar avatar, uint32_t layer, int hidden) {
         }
         surfaceOf(*found).leftOut = trianglesOf(mesh, layers);
         found->hiddenLayers = layers;
+        return {};
+    });
+}
+
+DplResult dplGetPosedMesh(DplAvatar avatar, float* positions, uint32_t vertexCount, uint32_t* triangles, uint32_t triangleCount) {
+    return guarded("dplGetPosedMesh", [&]() -> Status {
+        DPL_TRY(const auto found, avatarOf(avatar));
+        DPL_RETURN_IF_ERROR(checkPosable(*found));
+        const MeshData& mesh = found->data->mesh;
+        DPL_RETURN_IF_ERROR(checkCount("vertices", positions, vertexCount, mesh.restPositions.size()));
+        DPL_RETURN_IF_ERROR(checkCount("triangles", triangles, triangleCount, mesh.triangles.size()));
+        std::lock_guard lock(found->context->mutex);
+        if (positions != nullptr)
+            for (const Vec3f& p : verticesOf(*found))
+                for (int axis = 0; axis < 3; ++axis) *positions++ = p[axis];
+        const std::vector<uint8_t>& leftOut = surfaceOf(*found).leftOut;
+        for (size_t t = 0; t < triangleCount; ++t)
+            for (int corner = 0; corner < 3; ++corner) *triangles++ = !leftOut.empty() && leftOut[t] != 0 ? 0 : mesh.triangles[t][corner];
         return {};
     });
 }

@@ -131,6 +131,9 @@ static void callSurface(DplAvatar avatar) {
     const float floorM = 1, above[3] = {0, 50, 0}, upwards[3] = {0, 1, 0};
     DplLayerInfo layer = {0};
     DplPick pick = {0};
+    DplAvatarInfo info = {0};
+    static float positions[3 * (1 << 16)];
+    static uint32_t triangles[3 * (1 << 17)];
     shadow.structSize = sizeof shadow;
     OK(dplGetContactShadow(avatar, &floorM, alpha, sizeof alpha, &shadow));
     CHECK(fabsf(shadow.corner[1] - 1) < 1e-5f && shadow.across[0] >= 1 && shadow.along[2] == shadow.across[0] && alpha[0] == 0);
@@ -142,6 +145,12 @@ static void callSurface(DplAvatar avatar) {
     OK(dplHideLayer(avatar, 0, DPL_FALSE));
     OK(dplPick(&avatar, 1, above, upwards, &pick));
     CHECK(pick.hit == DPL_FALSE && pick.distanceM == 0);
+    info.structSize = sizeof info;
+    OK(dplGetAvatarInfo(avatar, &info));
+    CHECK(info.vertexCount <= 1 << 16 && info.triangleCount <= 1 << 17);
+    OK(dplGetPosedMesh(avatar, positions, info.vertexCount, triangles, info.triangleCount));
+    CHECK(triangles[0] < info.vertexCount && triangles[0] != triangles[1]);
+    CHECK(dplGetPosedMesh(avatar, NULL, info.vertexCount, triangles, info.triangleCount) == DPL_ERROR_INVALID_ARGUMENT);
 }
 
 static void callProject(DplContext context, DplAvatar avatar) {

@@ -3,6 +3,7 @@
 // the kit, and for the browser's profile. WEB_CHROMIUM: the browser.
 import assert from 'node:assert/strict';
 import { spawn } from 'node:child_process';
+import crypto from 'node:crypto';
 import fs from 'node:fs';
 import http from 'node:http';
 import path from 'node:path';
@@ -17,8 +18,18 @@ const LIMIT_MS = Number(process.env.WEB_LIMIT_S ?? 600) * 1000;
 const FLAGS = ['--headless=new', '--no-sandbox', '--no-first-run', '--enable-logging=stderr', '--use-gl=angle', '--use-angle=swiftshader',
   '--enable-unsafe-swiftshader', '--enable-precise-memory-info', '--js-flags=--expose-gc'];
 
-/** {result, pictures, moduleRequests}: what the page posted to /found, and to /picture by name, and the requests for the module. */
-export async function visit(page) {
+const POLICY = "script-src 'self' 'wasm-unsafe-eval'";
+
+/** An inline import map of a page, for its policy. */
+function hashOfMap(file) {
+  const map = file.endsWith('.html') && /<script type="importmap">(.*?)<\/script>/s.exec(fs.readFileSync(file, 'utf8'));
+  return map ? ` 'sha256-${crypto.createHash('sha256').update(map[1]).digest('base64')}'` : '';
+}
+
+/** folders: more of them, by the name that addresses begin with. policy: of the pages. {result, pictures, moduleRequests}: what the page
+ *  posted to /found, and to /picture by name, and the requests for the module. */
+export async function visit(page, folders = {}, policy = POLICY) {
+  const all = { ...FOLDERS, ...folders };
   const pictures = new Map(), moduleRequests = [];
   let foundAll;
   const found = new Promise(done => { foundAll = done; });
@@ -34,12 +45,12 @@ export async function visit(page) {
     }
     // The pages name the repository's layout: /tests/web/page.html, /platform/web/doppel.js.
     const [, first, ...rest] = at.split('/');
-    const file = first === 'tests' ? path.join(FOLDERS.tests, rest.slice(rest[0] === 'web' ? 1 : 0).join('/')) : path.join(FOLDERS[first] ?? '/nowhere', rest.join('/'));
+    const file = first === 'tests' ? path.join(all.tests, rest.slice(rest[0] === 'web' ? 1 : 0).join('/')) : path.join(all[first] ?? '/nowhere', rest.join('/'));
     if (file.endsWith('.wasm')) moduleRequests.push(at);
-    if (!Object.values(FOLDERS).some(folder => file.startsWith(folder + path.sep)) || !fs.existsSync(file)) return response.writeHead(404).end();
+    if (!Object.values(all).some(folder => file.startsWith(folder + path.sep)) || !fs.existsSync(file)) return response.writeHead(404).end();
     response.writeHead(200, {
       'content-type': TYPES[path.extname(file)] ?? 'application/octet-stream', 'content-length': fs.statSync(file).size,
-      'content-security-policy': "script-src 'self' 'wasm-unsafe-eval'",
+      'content-security-policy': policy === POLICY ? POLICY + hashOfMap(file) : policy,
     });
     fs.createReadStream(file).pipe(response);
   });

@@ -169,6 +169,24 @@ test('general splats are read by the module for them, which is loaded for them a
   assert.ok((await load(glb, { splatsModule: pathToFileURL('/nowhere/doppel-splats.wasm') })).joints.length > 10);
 });
 
+test('gives the posed mesh, in the space of the person', async () => {
+  const person = await load(), { positions, triangles } = person.posedMesh(), rest = positions.slice();
+  assert.deepEqual([positions.length, triangles.length], [3 * person.vertexCount, 3 * person.triangleCount]);
+  assert.ok(triangles.every(vertex => vertex < person.vertexCount));
+  for (let axis = 0; axis < 3; ++axis) {
+    const values = rest.filter((value, i) => i % 3 === axis);
+    assert.ok(Math.abs(Math.min(...values) - person.restMin[axis]) < 0.05 && Math.abs(Math.max(...values) - person.restMax[axis]) < 0.05, `axis ${axis}`);
+  }
+  person.setTransform([2, 0, 0, 5, 0, 2, 0, 0, 0, 0, 2, 0]);
+  assert.deepEqual(person.posedMesh().positions, rest);
+  person.setClip('walk', 0.4);
+  const walking = person.posedMesh();
+  assert.ok(walking.positions === positions && walking.triangles === triangles, 'nothing new is made');
+  assert.ok(positions.some((value, i) => Math.abs(value - rest[i]) > 0.1));
+  person.dispose();
+  assert.throws(() => person.posedMesh(), /disposed/);
+});
+
 test('memory that is refused is an error of that person alone', async () => {
   await fails(() => load(glb, { memoryLimit: 6 << 20 }), 'DPL_ERROR_OUT_OF_MEMORY', /memory/);
   const person = await load();

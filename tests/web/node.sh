@@ -17,6 +17,7 @@ mkdir -p "$work/referee"
 WEB_MODULE="$module" WEB_PERSON="$work/person.glb" WEB_REFEREE="$work/referee" WEB_REFEREE_PROGRAM="$referee" \
     node --test "$here/module_test.mjs" "$here/tracking_test.mjs"
 WEB_MODULE="$module" node --test "$here/page_parts_test.mjs"
+rm -rf "$work/npm"  # of another version
 python3 "$here/../../tools/packaging/npm.py" "$(dirname "$module")" "$work/npm" "$("$doppel" --version | cut -d' ' -f2)" 0
 "$here/package.sh" "$work"/npm/doppel-web-*.tgz "$work/person.glb" "$work/package"
 "$conformance" write "$work/kit"

@@ -36,6 +36,13 @@ test('WebGL2 and WebXR can be imported where there is neither', async () => {
   for (const thing of [SplatRenderer, SplatBlender, XREyes, cameraOfXRView]) assert.equal(typeof thing, 'function');
 });
 
+test('three.js is a peer that is missed by its name, and its group needs nothing else', async () => {
+  assert.deepEqual(Object.keys(manifest.peerDependencies), ['three']);
+  for (const file of ['three-group.js', 'three-pass.js'])
+    for (const [, from] of fs.readFileSync(new URL(file, folder), 'utf8').matchAll(/ from '([^']*)'/g)) assert.match(from, /^(three|\.\/[\w-]+\.js)$/);
+  await assert.rejects(import('doppel-web/three'), /Cannot find package 'three'/);
+});
+
 test('types name every public function', () => {
   const types = fs.readFileSync(new URL('doppel.d.ts', folder), 'utf8');
   for (const name of Object.getOwnPropertyNames(Doppel.prototype)) assert.match(types, new RegExp(`\\b${name}\\(`), name);

@@ -2,10 +2,14 @@
 // web_referee AVATAR: what the module must draw, by dplRender on this machine's CPU. Reads shots from stdin, one a line:
 //   clip time eyeX eyeY eyeZ targetX targetY targetZ fovYRad width height file
 // web_referee AVATAR --time N: the median of N frames, ms, of what the module does for WebGL2 (clip and dplProject), by one thread, for
-// each shot; no picture. clip -1: rest. Each picture goes to its file: 4 bytes a pixel, premultiplied, top row first.
+// each shot; no picture.
 // web_referee AVATAR --track: poses of a tracker for MediaPipe Pose that keeps the person in place. Lines of stdin:
 //   seen timeMs, then x y z of 33 landmarks, then their 33 visibilities     "nan" is a number here
 //   show timeMs                                                             prints state, driven joints, positions of all joints
+// web_referee AVATAR --scenes: pictures of several avatars together, by dplRenderTogether; each is AVATAR. A line is
+//   width height fx fy cx cy viewFromWorld(12) sceneDepthM count { clip time worldFromAvatar(12) } file
+// sceneDepthM: an opaque plane in front of the camera; 0: none.
+// clip -1: rest. Each picture goes to its file: 4 bytes a pixel, premultiplied, top row first.
 #include <doppel/doppel_convert.h>
 #include <doppel/doppel_splats.h>
 
@@ -79,13 +83,56 @@ bool track(DplAvatar avatar) {
     return dplDestroyTracker(tracker) == DPL_OK;
 }
 
+bool writeFile(const std::string& name, const std::vector<uint8_t>& bytes) {
+    std::FILE* out = std::fopen(name.c_str(), "wb");
+    if (out && std::fwrite(bytes.data(), 1, bytes.size(), out) == bytes.size() && std::fclose(out) == 0) return true;
+    std::fprintf(stderr, "web_referee: cannot write %s\n", name.c_str());
+    return false;
+}
+
+int drawScenes(DplContext context, const char* avatarFile) {
+    std::vector<DplAvatar> avatars;
+    DplCamera camera{};
+    camera.structSize = sizeof camera;
+    float sceneDepthM = 0;
+    size_t count = 0;
+    std::string file;
+    while (std::cin >> camera.widthPx >> camera.heightPx >> camera.fx >> camera.fy >> camera.cx >> camera.cy) {
+        for (float& x : camera.viewFromWorld) std::cin >> x;
+        std::cin >> sceneDepthM >> count;
+        if (!std::cin || count == 0 || count > DPL_MAX_TOGETHER) return complain("a line is wrong");
+        for (size_t k = 0; k < count; ++k) {
+            if (k == avatars.size()) avatars.push_back(nullptr);
+            if (!avatars[k] && dplLoadAvatarFile(context, avatarFile, &avatars[k]) != DPL_OK) return complain(avatarFile);
+            int clip = 0;
+            double timeS = 0;
+            float worldFromAvatar[12];
+            std::cin >> clip >> timeS;
+            for (float& x : worldFromAvatar) std::cin >> x;
+            if (clip < 0 || dplSetPoseFromClip(avatars[k], uint32_t(clip), timeS, DPL_TRUE) != DPL_OK) return complain("a pose");
+            if (dplSetTransform(avatars[k], worldFromAvatar) != DPL_OK) return complain("a place");
+        }
+        if (!(std::cin >> file)) return complain("a line is wrong");
+        const std::vector<float> depthM(sceneDepthM > 0 ? size_t(camera.widthPx) * camera.heightPx : 0, sceneDepthM);
+        camera.sceneDepthM = depthM.empty() ? nullptr : depthM.data(), camera.sceneDepthCount = depthM.size();
+        std::vector<uint8_t> rgba(size_t(camera.widthPx) * camera.heightPx * 4);
+        DplImage image{};
+        image.structSize = sizeof image;
+        image.rgba = rgba.data(), image.rgbaBytes = rgba.size();
+        if (dplRenderTogether(context, avatars.data(), uint32_t(count), &camera, 1, &image) != DPL_OK) return complain(file);
+        if (!writeFile(file, rgba)) return 1;
+    }
+    return 0;
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
     const bool tracks = argc == 3 && std::string(argv[2]) == "--track";
     const int timed = argc == 4 && std::string(argv[2]) == "--time" ? std::atoi(argv[3]) : 0;
-    if (argc != 2 && timed <= 0 && !tracks) {
-        std::fprintf(stderr, "usage: web_referee AVATAR [--time N | --track] < SHOTS\n");
+    const bool scenes = argc == 3 && std::string(argv[2]) == "--scenes";
+    if (argc != 2 && timed <= 0 && !tracks && !scenes) {
+        std::fprintf(stderr, "usage: web_referee AVATAR [--time N | --track | --scenes] < SHOTS\n");
         return 2;
     }
     DplContextInfo info{};
@@ -94,6 +141,7 @@ int main(int argc, char** argv) {
     if (timed > 0) info.threadCount = 1;
     DplContext context = nullptr;
     if (dplCreateContext(&info, &context) != DPL_OK) return complain("no context");
+    if (scenes) return drawScenes(context, argv[1]);
     DplAvatar avatar = nullptr;
     if (dplLoadAvatarFile(context, argv[1], &avatar) != DPL_OK) return complain(argv[1]);
     if (tracks) return track(avatar) ? 0 : complain("tracking");
@@ -118,11 +166,7 @@ int main(int argc, char** argv) {
         image.structSize = sizeof image;
         image.rgba = rgba.data(), image.rgbaBytes = rgba.size();
         if (dplRender(context, avatar, &camera, 1, &image) != DPL_OK) return complain(file);
-        std::FILE* out = std::fopen(file.c_str(), "wb");
-        if (!out || std::fwrite(rgba.data(), 1, rgba.size(), out) != rgba.size() || std::fclose(out) != 0) {
-            std::fprintf(stderr, "web_referee: cannot write %s\n", file.c_str());
-            return 1;
-        }
+        if (!writeFile(file, rgba)) return 1;
     }
     dplDestroyContext(context);
     return 0;

@@ -18,8 +18,9 @@ import notices  # noqa: E402
 ROOT = notices.ROOT
 NPM = ROOT / "platform/web/npm"
 BUILT_FILES = ("doppel.wasm", "doppel-splats.wasm", "doppel.js", "doppel-avatar.js", "webgl-renderer.js", "splat-pacer.js", "webxr.js",
-               "demo/index.html", "demo/demo.js", "demo/demo.css")
-TYPES = ("doppel-avatar.d.ts", "webgl-renderer.d.ts", "webxr.d.ts")
+               "three-group.js", "three-pass.js",
+               "demo/index.html", "demo/demo.js", "demo/demo.css", "demo/three.html", "demo/three-demo.js")
+TYPES = ("doppel-avatar.d.ts", "webgl-renderer.d.ts", "webxr.d.ts", "three-group.d.ts")
 
 
 def types():

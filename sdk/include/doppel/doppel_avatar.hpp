@@ -238,6 +238,24 @@ public:
     }
     /** The shadow by which its feet stand on a floor; see contactShadowOf. */
     Result<ContactShadow> contactShadow(std::optional<float> floorM = {}) const { return contactShadowOf(handle_, floorM); }
+    /** Positions of the posed mesh, 3 floats a vertex, metres, in the avatar's own space; see dplGetPosedMesh. */
+    Result<std::vector<float>> posedVertices() const {
+        auto about = info();
+        if (!about) return about.error();
+        std::vector<float> positions(size_t(about->vertexCount) * 3);
+        const DplResult r = dplGetPosedMesh(handle_, positions.data(), about->vertexCount, nullptr, 0);
+        if (r != DPL_OK) return lastError(r);
+        return positions;
+    }
+    /** Its triangles, 3 vertex numbers each; those of hidden layers are three zeros. */
+    Result<std::vector<uint32_t>> meshTriangles() const {
+        auto about = info();
+        if (!about) return about.error();
+        std::vector<uint32_t> triangles(size_t(about->triangleCount) * 3);
+        const DplResult r = dplGetPosedMesh(handle_, nullptr, 0, triangles.data(), about->triangleCount);
+        if (r != DPL_OK) return lastError(r);
+        return triangles;
+    }
     /** How finely the scan shows the surface of a joint; all 0 without a capture map. */
     Result<DplCaptureDetail> captureDetail(uint32_t joint) const { return filled<DplCaptureDetail>(dplGetCaptureDetail, handle_, joint); }
     /** How near a camera may come before it magnifies the scan's finest details more than so many times; metres, 0 without a capture map.

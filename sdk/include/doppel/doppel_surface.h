@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/* The posed surface of an avatar, on the CPU and whatever draws it: its shadow on the floor, its layers, and what a ray meets. doppel.h
- * includes this header; units, frames, threads, errors and struct sizes are as there. All of it is experimental.
+/* The posed surface of an avatar, on the CPU and whatever draws it: its shadow on the floor, its layers, what a ray meets, its mesh.
+ * doppel.h includes this header; units, frames, threads, errors and struct sizes are as there. All of it is experimental.
  *
  * The surface is that of the current pose and transform. The first call after a new pose poses the vertices; those that follow reuse
  * them. Clothes are drawn by what they remember (dplSetPoseAtTime), so calls between drawing and the next pose see what was drawn. */
@@ -83,6 +83,17 @@ typedef struct DplPick {
  *  the avatars (the text names them by their number): they have no mesh. */
 DPL_EXPERIMENTAL DplResult dplPick(const DplAvatar* avatars, uint32_t avatarCount, const float* origin, const float* direction,
                                    DplPick* pick);
+
+/* ---------------------------------------------------------------- the posed mesh */
+
+/** Copies the posed mesh, for programs that cast its shadow or collide with it: the surface that the splats lie on, clothes included.
+ *  positions: 3 floats a vertex, metres, in the avatar's own space, which dplSetTransform places in the world; vertexCount of
+ *  dplGetAvatarInfo. NULL, with a vertexCount of 0: not wanted.
+ *  triangles: 3 vertex numbers each; triangleCount of dplGetAvatarInfo. A triangle of a hidden layer (dplHideLayer) is three zeros. They
+ *  change with hidden layers alone, so most programs read them once. NULL, with a triangleCount of 0: not wanted.
+ *  DPL_ERROR_INVALID_ARGUMENT: other counts, or general splats, which have no mesh. */
+DPL_EXPERIMENTAL DplResult dplGetPosedMesh(DplAvatar avatar, float* positions, uint32_t vertexCount, uint32_t* triangles,
+                                           uint32_t triangleCount);
 
 #ifdef __cplusplus
 }

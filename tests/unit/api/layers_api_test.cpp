@@ -116,6 +116,14 @@ TEST_P(LayersApiTest, picksAndTellsOfLayers) {
     EXPECT_EQ(info.hidden, uint32_t(DPL_FALSE));
     ASSERT_EQ(dplGetLayerInfo(avatar_, kCoat, &info), DPL_OK);
     EXPECT_EQ(info.hidden, uint32_t(DPL_TRUE));
+    DplAvatarInfo about{};
+    about.structSize = sizeof about;
+    ASSERT_EQ(dplGetAvatarInfo(avatar_, &about), DPL_OK);
+    std::vector<uint32_t> triangles(3 * about.triangleCount);
+    ASSERT_EQ(dplGetPosedMesh(avatar_, nullptr, 0, triangles.data(), about.triangleCount), DPL_OK) << dplGetLastError();
+    uint32_t leftOut = 0;
+    for (uint32_t t = 0; t < about.triangleCount; ++t) leftOut += triangles[3 * t] == triangles[3 * t + 1];
+    EXPECT_EQ(leftOut, info.triangleCount);
     EXPECT_EQ(dplGetLayerInfo(avatar_, 5, &info), DPL_ERROR_NOT_FOUND);
 }
 

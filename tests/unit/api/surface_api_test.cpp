@@ -117,6 +117,47 @@ TEST_F(SurfaceApiTest, shadow_refusesWhatIsWrongAndWritesNothing) {
     EXPECT_EQ(alpha, std::vector<uint8_t>(alpha.size(), 7));
 }
 
+TEST_F(SurfaceApiTest, posedMesh_followsThePoseAndStaysInItsOwnSpace) {
+    const auto rest = block_->posedVertices();
+    ASSERT_TRUE(rest) << rest.error().message;
+    ASSERT_EQ(rest->size(), 24u);
+    const auto box = std::minmax_element(rest->begin(), rest->end());
+    EXPECT_NEAR(*box.first, -0.15f, kFileM);
+    EXPECT_NEAR(*box.second, 0.5f, kFileM);
+    place(2, {3, 0, 0});
+    EXPECT_EQ(*block_->posedVertices(), *rest);
+    ASSERT_TRUE(block_->setPose(std::vector<float>{0, 0, 0, 1, 0, 0, 0, 1}, std::array<float, 3>{0, 0.25f, 0}));
+    const auto moved = block_->posedVertices();
+    for (size_t i = 0; i < rest->size(); ++i) EXPECT_NEAR((*moved)[i], (*rest)[i] + (i % 3 == 1 ? 0.25f : 0), 1e-6f) << i;
+    const auto triangles = block_->meshTriangles();
+    ASSERT_TRUE(triangles) << triangles.error().message;
+    ASSERT_EQ(triangles->size(), 36u);
+    double volume = 0;  // of the closed box, whatever the order of its vertices in the file
+    const auto corner = [&](size_t i, size_t axis) { return double((*rest)[(*triangles)[i] * 3 + axis]); };
+    for (size_t t = 0; t < 36; t += 3)
+        volume += (corner(t, 0) * (corner(t + 1, 1) * corner(t + 2, 2) - corner(t + 1, 2) * corner(t + 2, 1)) +
+                   corner(t, 1) * (corner(t + 1, 2) * corner(t + 2, 0) - corner(t + 1, 0) * corner(t + 2, 2)) +
+                   corner(t, 2) * (corner(t + 1, 0) * corner(t + 2, 1) - corner(t + 1, 1) * corner(t + 2, 0))) /
+                  6;
+    EXPECT_NEAR(std::abs(volume), 0.3 * 0.5 * 0.2, 1e-4);
+}
+
+TEST_F(SurfaceApiTest, posedMesh_refusesOtherCounts) {
+    float positions[24] = {};
+    uint32_t triangles[36] = {};
+    const DplAvatar avatar = block_->handle();
+    for (const uint32_t count : {0u, 7u, 9u}) {
+        EXPECT_EQ(dplGetPosedMesh(avatar, positions, count, triangles, 12), DPL_ERROR_INVALID_ARGUMENT);
+        EXPECT_TRUE(errorSays("the avatar has 8")) << dplGetLastError();
+    }
+    EXPECT_EQ(dplGetPosedMesh(avatar, positions, 8, triangles, 11), DPL_ERROR_INVALID_ARGUMENT);
+    EXPECT_EQ(dplGetPosedMesh(avatar, nullptr, 8, triangles, 12), DPL_ERROR_INVALID_ARGUMENT);
+    EXPECT_EQ(dplGetPosedMesh(avatar, nullptr, 0, nullptr, 12), DPL_ERROR_INVALID_ARGUMENT);
+    EXPECT_EQ(dplGetPosedMesh(nullptr, positions, 8, triangles, 12), DPL_ERROR_INVALID_ARGUMENT);
+    EXPECT_EQ(dplGetPosedMesh(avatar, nullptr, 0, nullptr, 0), DPL_OK);
+    for (const float x : positions) EXPECT_EQ(x, 0);
+}
+
 TEST_F(SurfaceApiTest, pick_tellsAvatarLayerJointPointAndSide) {
     place(2, {3, 0, 0});  // the front of the block, z = 0.1 of its own, faces +X
     const std::array<float, 3> origin{13, 0.5f, 0.1f};
@@ -180,6 +221,7 @@ TEST_F(SurfaceApiTest, pick_refusesWhatIsWrong) {
     const DplAvatar both[] = {avatar, room};
     refused(both, 2, origin, direction, "avatar 1: these are general splats");
     EXPECT_EQ(dplHideLayer(room, 0, DPL_TRUE), DPL_ERROR_INVALID_ARGUMENT);
+    EXPECT_EQ(dplGetPosedMesh(room, nullptr, 0, nullptr, 0), DPL_ERROR_INVALID_ARGUMENT);
     EXPECT_EQ(pick.hit, 9u);
     EXPECT_EQ(dplDestroyAvatar(room), DPL_OK);
 }

@@ -246,6 +246,12 @@ def take_web(place):
     return place.json_lines("web", ["tools/prove-web", "--webgl"])
 
 
+def take_web_three(place):
+    if not shutil.which("npm"):
+        raise Skipped("npm is not installed")
+    return place.json_lines("web-three", ["tools/prove-web", "--three"])
+
+
 def take_load_frames(place):
     rows = place.json_lines("load-frames", [place.program("bench_load_frames"), 500000])
     return [{**row, "bars": {}} for row in rows]
@@ -451,6 +457,8 @@ BENCHES = [
     Bench("delay", "quick", 0.1, "how late a tracked person is shown",
           "build/release/tests/unit/motion/motion_tracker_test --gtest_filter='*delayOfTheFilter*'", ("motion_tracker_test",), take_delay),
     Bench("web", "web", 6, "WebGL2 in headless Chromium, by SwiftShader", "tools/prove-web --webgl", (), take_web),
+    Bench("web-three", "web", 6, "scenes of three.js, and other renderers of splats, in headless Chromium", "tools/prove-web --three", (),
+          take_web_three),
     Bench("load-frames", "quick", 0.5, "the longest frame while 500,000 splats load", "build/release/tools/bench/bench_load_frames 500000",
           ("bench_load_frames",), take_load_frames),
     Bench("steady", "quick", 0.1, "frames until a frame budget holds, on simulated devices",

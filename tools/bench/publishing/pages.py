@@ -309,7 +309,24 @@ def web(store):
         "# In a browser\n\nHeadless Chromium draws a sample person and the conformance kit by WebGL2, with the module of `platform/web`. There is no "
         "GPU here: SwiftShader blends on the CPU, so the time until the pixels are there says nothing about any device. No phone has been measured. "
         "*RGBA8*: what devices without float targets draw. All cases of the kit are here.\n\n")
-    return text + section(store, "web", "WebGL2 against the CPU renderer", body)
+    return text + section(store, "web", "WebGL2 against the CPU renderer", body) + "\n" + web_three(store)
+
+
+PEERS = {"doppel": "Doppel: pose, cull, project, sort and draw, `DoppelGroup`", "spark": "Spark: sort in a worker and draw",
+         "playcanvas": "PlayCanvas engine: sort in a worker and draw"}
+
+
+def web_three(store):
+    def body(rows):
+        peers = table(["one person, the same camera in each frame", "version", "ms a frame, median", "least"], [
+            [PEERS[r["peer"]], r["version"], number(r["ms_p50"], 0), number(r["ms_least"], 0)] for r in rows if r["row"] == "peer"])
+        about = next(r for r in rows if r["row"] == "peer")
+        return (table(["scene", "to the CPU renderer, dB", "largest difference, levels"], [
+            [r["picture"], "equal bytes" if r["psnr_db"] is None else barred(r, "psnr_db", 1), r["levels"]] for r in rows if r["row"] == "three"])
+            + f"\nOther renderers draw what `doppel export` wrote of one pose: {number(about['splats'], 0)} splats, {about['size']} pixels, "
+            f"{about['frames']} frames of each, one after the other on one page, until a pixel is there. Blending is on the CPU, so this compares work, not "
+            "what a graphics device makes of it. Theirs wait for no sort; ours poses anew in every frame.\n\n" + peers)
+    return section(store, "web-three", "In scenes of three.js, and beside other renderers", body)
 
 
 def machines(store):
