@@ -86,14 +86,15 @@ typedef struct DplSplatOptions {
 
 /** Writes the splats of the current pose. Their number and order depend on the avatar and splatBudget alone: a splat that shows nothing has
  *  opacity 0, and only finite numbers are written.
- *  A renderer draws them as dplRender does if it adds a low-pass of 1/12 px² to the variances on the screen, lowers the opacity to keep
- *  the energy, and blends display-referred colours, farthest first by view z. Not in the numbers are the fade at the near plane, and
- *  the samples of a pixel far away.
- *  options: NULL means zeros. buffer: NULL only counts. The level of detail is that of splatBudget, not of dplSetDetail; hidden layers have
- *  opacity 0.
- *  DPL_ERROR_INVALID_ARGUMENT: an unknown property or number, a stride smaller than the property, elements that overlap or share a range at
- *  different strides, a buffer that is too short, an eye that is not finite, general splats. Nothing is then written; the text says what
- *  is wrong. DPL_ERROR_UNSUPPORTED: the context draws on a GPU, which keeps the splats. */
+ *  A renderer draws them as dplRender does if it adds the low-pass of the avatar (1/12 px² where doppel has trained it) to the variances
+ *  on the screen, lowers the opacity to keep the energy, and blends display-referred colours, farthest first by view z. Not in the
+ *  numbers are the fade at the near plane, and the samples of a pixel far away.
+ *  options: NULL means zeros. Level of detail is that of splatBudget, not of dplSetDetail. Splats of hidden layers have opacity 0.
+ *  buffer: NULL only counts.
+ *  DPL_ERROR_INVALID_ARGUMENT: an unknown property or number, a stride smaller than the property, elements that overlap or share a
+ *  range at different strides, a buffer that is too short, an eye that is not finite, general splats. Nothing is then written, and the
+ *  text says what is wrong.
+ *  DPL_ERROR_UNSUPPORTED: the context draws on a GPU, which keeps the splats. */
 DPL_EXPERIMENTAL DplResult dplWriteSplats(DplAvatar avatar, const DplSplatOptions* options, const DplBuffer* buffer, DplWritten* written);
 
 /* ---------------------------------------------------------------- mesh */
