@@ -8,8 +8,9 @@
 
 namespace dpl {
 
-SplatPoser::SplatPoser(const AvatarData& avatar)
+SplatPoser::SplatPoser(const AvatarData& avatar, float sunkM)
     : avatar_(avatar),
+      sunkM_(sunkM),
       rest_(restTriangles(avatar.mesh)),
       normals_(avatar.light.empty() ? std::vector<Vec3f>() : restVertexNormals(avatar.mesh)),
       clearance_(avatar.joints, avatar.mesh, avatar.correctives) {}
@@ -31,10 +32,11 @@ Result<StaticSplatData> SplatPoser::in(const Pose& pose, bool all) {
             const GaussianAxes axes = triangle.axes(
                 triangle.ellipse(Formulas<float>::planeAxes(std::cos(in.phi[i]), std::sin(in.phi[i]), in.scaleM[i].x, in.scaleM[i].y)));
             const Vec3f centre = triangle.centre(in.uv[i]);
-            out.position.push_back(centre);
+            const bool singleFace = (in.flags[i] & kSplatSingleFace) != 0;
+            out.position.push_back(singleFace && triangle.frame().valid ? centre - sunkM_ * triangle.frame().normal : centre);
             out.rotation.push_back(axes.rotation);
             out.scaleM.push_back(axes.scaleM);
-            out.opacity.push_back(in.opacity[i] * triangle.shown(centre, (in.flags[i] & kSplatSingleFace) != 0, {}));
+            out.opacity.push_back(in.opacity[i] * triangle.shown(centre, singleFace, {}));
             out.sh.insert(out.sh.end(), in.sh.begin() + size_t(i) * shFloats, in.sh.begin() + size_t(i + 1) * shFloats);
             float* sh = out.sh.data() + out.sh.size() - shFloats;
             turn.apply(sh);

@@ -20,12 +20,14 @@ Result<StaticSplatData> posedSplats(const AvatarData& avatar, const Pose& pose);
 /** The same for many poses of one avatar, which must outlive it. One thread at a time. */
 class SplatPoser {
 public:
-    explicit SplatPoser(const AvatarData& avatar);
+    /** sunkM: single-face splats are moved inwards by so much. */
+    explicit SplatPoser(const AvatarData& avatar, float sunkM = 0);
     /** all: splats of degenerate triangles stay, with opacity 0, so that count and order are those of the avatar in every pose. */
     Result<StaticSplatData> in(const Pose& pose, bool all);
 
 private:
     const AvatarData& avatar_;
+    float sunkM_;
     Jobs jobs_{1};
     std::vector<RestTriangle<float>> rest_;
     std::vector<Vec3f> normals_;
@@ -42,6 +44,9 @@ struct ExportOptions {
     std::string inputAxes;     // of general splats, instead of what they state: "y-up", "y-down", "z-up" or "z-down"; empty: as stated
     std::string axes;          // of a .ply: "y-down" (half a turn about z from ours) or "y-up"; empty: y-down, for other formats y-up
     uint32_t spzVersion = 4;   // 3 for older readers
+    double fps = 0;            // frames a second of a whole clip, as files in the folder `out` (export_clip.h); 0: one frame
+    std::string format;        // of these files: "spz", "ply" or "glb"
+    uint32_t threadCount = 0;  // 0: one thread a core; files do not depend on it
 };
 
 /** Why a file of this name and these options cannot be written; empty if it can. */
