@@ -49,7 +49,7 @@ std::array<BufferProperty, 7> splatProperties(uint32_t shDegree) {
 /** Made by the first call. */
 PosedOutput& outputOf(Avatar& avatar) {
     Surface& surface = surfaceOf(avatar);
-    if (!surface.output) surface.output = std::make_unique<PosedOutput>();
+    if (!surface.output) surface.output = std::make_shared<PosedOutput>();
     return *surface.output;
 }
 
