@@ -4,10 +4,42 @@
 #include "apps/doppel/commands.h"
 #include "apps/shared/checks.h"
 #include "apps/shared/pictures.h"
+#include "reconstruction/output/package/export_clip.h"
 #include "reconstruction/output/package/export_mesh.h"
 #include "reconstruction/output/package/posed_splats.h"
+#include "reconstruction/run/progress.h"
 
 namespace dpl {
+namespace {
+
+int exportOneFrame(const ExportOptions& options) {
+    Progress progress;
+    progress.beginStage("export");
+    ShownTask task(progress);
+    const TaskScope scope(&task);
+    auto lines = exportPosedSplats(options);
+    if (!lines) return reportError(lines.error());
+    progress.endStage("done");
+    std::printf("%s\n", lines->c_str());
+    return kExitOk;
+}
+
+int exportClip(const ExportOptions& options) {
+    Progress progress;
+    progress.beginStage("export");
+    ShownTask task(progress);
+    const TaskScope scope(&task);
+    auto clip = ClipExport::open(options);
+    if (!clip) return reportError(clip.error());
+    progress.note((*clip)->plan());
+    auto lines = (*clip)->write();
+    if (!lines) return reportError(lines.error());
+    progress.endStage("done");
+    std::printf("%s\n", lines->c_str());
+    return kExitOk;
+}
+
+}  // namespace
 
 void addExportCommand(CLI::App& app, CommandRun& run) {
     auto options = std::make_shared<ExportOptions>();
@@ -19,11 +51,12 @@ void addExportCommand(CLI::App& app, CommandRun& run) {
                      "Avatar file (.glb), or general splats (.ply, compressed .ply, .spz, .glb with KHR_gaussian_splatting)")
         ->required();
     command
-        ->add_option(
-            "-o,--out", options->out,
-            "A .glb (KHR_gaussian_splatting, the first choice; with --mesh: skinned mesh), a .spz (smallest) or a .ply (INRIA layout)")
+        ->add_option("-o,--out", options->out,
+                     "A .glb (KHR_gaussian_splatting, the first choice; with --mesh: skinned mesh), a .spz (smallest) or a .ply (INRIA "
+                     "layout); with "
+                     "--fps a folder")
         ->required()
-        ->check(isOutputFile({".glb", ".spz", ".ply"}));
+        ->check(isOutputFile({".glb", ".spz", ".ply"}, /*orFolder=*/true));
     command->add_option("--input-axes", options->inputAxes, "The up axis of general splats, instead of the one that they state")
         ->check(CLI::IsMember(kAxesNames));
     command
@@ -39,6 +72,16 @@ void addExportCommand(CLI::App& app, CommandRun& run) {
     command->add_option("--animation", options->animation, kAnimationHelp)->needs("--clip");
     command->add_option("--time", options->timeS, "Time in the clip, seconds")->check(inRange(0.0, 1e6))->needs("--clip");
     command
+        ->add_option("--fps", options->fps,
+                     "Write the whole clip, so many frames a second, as a numbered folder of splat files with the same splats in each")
+        ->check(inRange(0.01, 1000))
+        ->needs("--clip");
+    command->add_option("--format", options->format, "With --fps: the format of the files (default: spz)")
+        ->check(CLI::IsMember({"spz", "ply", "glb"}))
+        ->needs("--fps");
+    command->add_option("--threads", options->threadCount, "CPU threads; 0: one for each core. The result is the same for any number")
+        ->check(isWholeNumber(256));
+    command
         ->add_flag("--mesh", *mesh,
                    "Write the mesh without splats, with normals, vertex colours, skeleton and the avatar's clips, for any glTF viewer")
         ->excludes("--clip")
@@ -49,15 +92,18 @@ void addExportCommand(CLI::App& app, CommandRun& run) {
         "Examples:\n"
         "  doppel export ada/avatar.glb -o ada-splats.glb\n"
         "  doppel export ada/avatar.glb -o stride.glb --clip 02_01.bvh --time 0.8\n"
+        "  doppel export ada/avatar.glb -o walk --clip 02_01.bvh --fps 30           (walk/00000.spz, walk/00001.spz ...)\n"
         "  doppel export ada/avatar.glb --mesh -o ada-mesh.glb\n"
         "  doppel export guitar.spz -o guitar.ply\n"
         "  doppel export guitar.ply -o guitar.spz --input-axes y-down\n"
         "The mesh is unlit (KHR_materials_unlit): its colours contain the light of the scan, and viewers show them as photographed.");
     command->callback([options, mesh, &run] {
+        if (options->fps > 0 && options->format.empty()) options->format = "spz";
         refuseInputAsOutput(options->out, {options->avatar, options->clip});
         if (const std::string wrong = *mesh ? "" : wrongExport(*options); !wrong.empty()) throw CLI::ValidationError("--out", wrong);
         run = [options, mesh] {
-            auto line = *mesh ? exportMesh(options->avatar, options->out) : exportPosedSplats(*options);
+            if (!*mesh) return options->fps > 0 ? exportClip(*options) : exportOneFrame(*options);
+            auto line = exportMesh(options->avatar, options->out);
             if (!line) return reportError(line.error());
             std::printf("%s\n", line->c_str());
             return int(kExitOk);

@@ -9,6 +9,8 @@
 
 namespace dpl::api {
 
+struct PosedOutput;
+
 struct Surface {
     ClothClearance clearance;
     PosedSurface posed;
@@ -17,6 +19,9 @@ struct Surface {
     std::optional<RayCaster> rays;  // made by the first pick
     uint64_t raysVersion = 0;       // of `posed`, that the rays follow
     std::vector<uint8_t> leftOut;   // one a triangle: whether its layer is hidden; empty: none is
+    // Of doppel_posed.h; null before its first call. Shared, so that a program without these calls links no code of it, not even a
+    // destructor.
+    std::shared_ptr<PosedOutput> output;
 };
 
 /** Made by the first call. */

@@ -14,13 +14,15 @@ Vec3f unitOrUp(const Vec3f& v) {
 }  // namespace
 
 void RestNormals::compute(std::span<const Vec3f> positions, std::span<const Triangle> triangles, std::vector<Vec3f>& normals) const {
-    std::vector<Vec3f> sums(merged_.count, Vec3f(0));
+    // A place has no larger number than any of its vertices. So the sums of the places fit before the normals of the vertices, and made
+    // from behind, each normal overwrites only a sum that is needed no more.
+    std::vector<Vec3f>& sums = normals;
+    sums.assign(positions.size(), Vec3f(0));
     for (const Triangle& t : triangles) {
         const Vec3f area = glm::cross(positions[t.y] - positions[t.x], positions[t.z] - positions[t.x]);
         for (int k = 0; k < 3; ++k) sums[merged_.placeOf[t[k]]] += area;
     }
-    normals.resize(positions.size());
-    for (size_t v = 0; v < normals.size(); ++v) normals[v] = unitOrUp(sums[merged_.placeOf[v]]);
+    for (size_t v = normals.size(); v-- > 0;) normals[v] = unitOrUp(sums[merged_.placeOf[v]]);
 }
 
 std::vector<Vec3f> restVertexNormals(const MeshData& mesh) {

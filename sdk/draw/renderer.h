@@ -188,6 +188,8 @@ public:
     /** What a governor goes by before the next draw that belongs to the subject: on a GPU, the time between the first and the last pass of
      * the last finished frame; on the CPU, the time of the last draw. Neither waits nor allocates. Zeros when nothing was drawn. */
     virtual FrameTiming timing(RenderAvatarId) { return {}; }
+    /** The splats of an avatar; null for general splats, and where a GPU keeps them. */
+    virtual const CodedSplats* splatsOf(RenderAvatarId) const { return nullptr; }
     /** For measuring. Does not wait for a frame. Allocates. */
     virtual Result<FrameStats> stats(RenderAvatarId avatar) = 0;
 

@@ -136,6 +136,7 @@ struct SplatReader {
             }
         const Mat3d turn = glm::mat3_cast(glm::dquat(world.rotation));
         const bool turned = std::abs(world.rotation.w) < 1 - 1e-7f;
+        const ShTurn<double> shTurn = rotator.turn(turn, degree);
         for (uint32_t i = 0; i < n; ++i) {
             if (i % kLook == 0) {
                 DPL_RETURN_IF_ERROR(taskAt(0.5 + 0.5 * i / n));
@@ -159,7 +160,7 @@ struct SplatReader {
                 return fail(Code::CorruptData, "splat {} has an opacity of {}", first + i, opacities[i]);
             out.position.push_back(centre), out.scaleM.push_back(scale), out.opacity.push_back(opacities[i]);
             out.rotation.push_back(world.rotation * (q / length));
-            if (turned) rotator.rotate(turn, degree, sh);
+            if (turned) shTurn.apply(sh);
         }
         return {};
     }

@@ -201,7 +201,7 @@ void turnSplats(StaticSplatData& s, const Mat3d& to) {
     const Vec3d signs(to[0][0], to[1][1], to[2][2]);
     const bool onlySigns = glm::abs(signs) == Vec3d(1);
     const auto signsOf = signsOfSh(signs);
-    const ShRotator rotator;
+    const ShTurn<double> shTurn = ShRotator().turn(to, s.shDegree);
     const uint32_t coefficients = shCoefficientCount(s.shDegree);
     for (size_t i = 0; i < s.position.size(); ++i) {
         s.position[i] = onlySigns ? Vec3f(signs) * s.position[i] : place * s.position[i];
@@ -209,7 +209,7 @@ void turnSplats(StaticSplatData& s, const Mat3d& to) {
         const bool flipped = q.w < 0 || (q.w == 0 && (q.x < 0 || (q.x == 0 && (q.y < 0 || (q.y == 0 && q.z < 0)))));
         s.rotation[i] = flipped ? -q : q;  // one of the two signs, so that turning there and back gives the same bytes each time
         float* sh = s.sh.data() + i * coefficients * 3;
-        if (!onlySigns) rotator.rotate(to, s.shDegree, sh);
+        if (!onlySigns) shTurn.apply(sh);
         for (uint32_t k = 1; onlySigns && k < coefficients; ++k)
             for (uint32_t c = 0; c < 3; ++c) sh[k * 3 + c] *= signsOf[k];
     }

@@ -10,6 +10,32 @@
 
 namespace dpl {
 
+/** One rotation of SH coefficients: a matrix for each band, row by row. */
+template <class T>
+struct ShTurn {
+    uint32_t degree = 0;
+    std::array<T, 9> band1;
+    std::array<T, 25> band2;
+    std::array<T, 49> band3;
+
+    /** Rotates `sh` (coefficient-major) in place: its value at R·d becomes what its value at d was. */
+    void apply(float* sh) const {
+        if (degree >= 1) applyBand<3>(band1, sh + 3);
+        if (degree >= 2) applyBand<5>(band2, sh + 12);
+        if (degree >= 3) applyBand<7>(band3, sh + 27);
+    }
+
+private:
+    template <uint32_t n>
+    static void applyBand(const std::array<T, n * n>& matrix, float* band) {
+        T turned[n * 3] = {};
+        for (uint32_t m = 0; m < n; ++m)
+            for (uint32_t i = 0; i < n; ++i)
+                for (uint32_t channel = 0; channel < 3; ++channel) turned[m * 3 + channel] += matrix[m * n + i] * T(band[i * 3 + channel]);
+        for (uint32_t k = 0; k < n * 3; ++k) band[k] = float(turned[k]);
+    }
+};
+
 /** Rotates SH coefficients. Band l spans 2l+1 functions, so its values at 2l+1 well-spread directions determine it: coefficients' =
  *  P⁻¹·Q·coefficients, with P the band at those directions and Q the band at the same directions turned back. Immutable after
  *  construction; any thread. */
@@ -21,45 +47,51 @@ public:
             for (uint32_t i = 0; i < n; ++i) directions_[band][i] = spreadDirection(i, n);
             Square p{};
             for (uint32_t i = 0; i < n; ++i) {
-                const auto row = bandValues(band, directions_[band][i]);
-                for (uint32_t m = 0; m < n; ++m) p[i][m] = row[m];
+                double basis[kMaxShCoefficients];
+                shBasis(directions_[band][i], band, basis);
+                for (uint32_t m = 0; m < n; ++m) p[i][m] = basis[band * band + m];
             }
             inverse_[band] = invert(p, n);
         }
     }
 
-    /** Rotates `sh` (coefficient-major) in place: its value at R·d becomes what its value at d was. */
-    void rotate(const Mat3d& rotation, uint32_t degree, float* sh) const {
-        const Mat3d back = glm::transpose(rotation);
-        for (uint32_t band = 1; band <= degree; ++band) {
-            const uint32_t n = 2 * band + 1, first = band * band;
-            for (uint32_t channel = 0; channel < 3; ++channel) {
-                std::array<double, 7> values{}, turned{};
-                for (uint32_t i = 0; i < n; ++i) {
-                    const auto row = bandValues(band, back * directions_[band][i]);
-                    for (uint32_t m = 0; m < n; ++m) values[i] += row[m] * sh[(first + m) * 3 + channel];
-                }
-                for (uint32_t m = 0; m < n; ++m)
-                    for (uint32_t i = 0; i < n; ++i) turned[m] += inverse_[band][m][i] * values[i];
-                for (uint32_t m = 0; m < n; ++m) sh[(first + m) * 3 + channel] = float(turned[m]);
-            }
-        }
+    /** The rotation R as matrices of the bands up to `degree`. */
+    template <class T>
+    ShTurn<T> turn(const Mat3<T>& rotation, uint32_t degree) const {
+        const Mat3<T> back = glm::transpose(rotation);
+        ShTurn<T> out;
+        out.degree = degree;
+        if (degree >= 1) turnBand<1>(back, out.band1);
+        if (degree >= 2) turnBand<2>(back, out.band2);
+        if (degree >= 3) turnBand<3>(back, out.band3);
+        return out;
     }
 
 private:
     using Square = std::array<std::array<double, 7>, 7>;
 
+    template <uint32_t band, class T, size_t size>
+    void turnBand(const Mat3<T>& back, std::array<T, size>& matrix) const {
+        constexpr uint32_t n = 2 * band + 1;
+        static_assert(size == n * n);
+        T q[n][n];
+        for (uint32_t i = 0; i < n; ++i) {
+            T basis[kMaxShCoefficients];
+            shBasis(back * Vec3<T>(directions_[band][i]), band, basis);
+            for (uint32_t m = 0; m < n; ++m) q[i][m] = basis[band * band + m];
+        }
+        matrix = {};
+        for (uint32_t m = 0; m < n; ++m)
+            for (uint32_t i = 0; i < n; ++i) {
+                const T p = T(inverse_[band][m][i]);
+                for (uint32_t k = 0; k < n; ++k) matrix[m * n + k] += p * q[i][k];
+            }
+    }
+
     // A spiral in golden-angle steps. The offsets break its symmetry, which keeps the band matrices well conditioned.
     static Vec3d spreadDirection(uint32_t i, uint32_t n) {
         const double z = 0.93 - 1.81 * (i + 0.4) / n, angle = 2.399963229728653 * i + 0.37, r = std::sqrt(1 - z * z);
         return {r * std::cos(angle), r * std::sin(angle), z};
-    }
-    static std::array<double, 7> bandValues(uint32_t band, const Vec3d& d) {
-        double basis[kMaxShCoefficients];
-        shBasis(d, band, basis);
-        std::array<double, 7> values{};
-        for (uint32_t m = 0; m < 2 * band + 1; ++m) values[m] = basis[band * band + m];
-        return values;
     }
     static Square invert(Square a, uint32_t n) {
         Square inverse{};

@@ -176,6 +176,11 @@ public:
         return found == drawables_.end() ? FrameTiming() : found->second->timing;
     }
 
+    const CodedSplats* splatsOf(RenderAvatarId avatar) const override {
+        const auto found = drawables_.find(avatar);
+        return found == drawables_.end() || !found->second->avatar ? nullptr : &found->second->splats;
+    }
+
     Result<FrameStats> stats(RenderAvatarId avatar) override {
         const auto found = drawables_.find(avatar);
         if (found == drawables_.end()) return fail(Code::InvalidArgument, "avatar {} is not in this renderer", avatar);

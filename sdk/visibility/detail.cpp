@@ -100,6 +100,14 @@ double DetailSubject::drawnAtMost(double perM2) const {
     return bend.drawn + bend.slope * (perM2 - bend.perM2);
 }
 
+double DetailSubject::densityWithin(uint32_t splats) const {
+    if (bends_.empty() || splats >= bends_.back().drawn) return INFINITY;
+    const auto after = std::upper_bound(bends_.begin(), bends_.end(), double(splats), [](double n, const Bend& b) { return n < b.drawn; });
+    if (after == bends_.begin()) return 0;
+    const Bend& bend = *(after - 1);
+    return bend.slope > 0 ? bend.perM2 + (splats - bend.drawn) / bend.slope : bend.perM2;
+}
+
 float DetailSubject::largestGrowth(float perM2) const {
     return !(smallestAreaM2_ < INFINITY) ? 1.0f : detailGrowth(keptShare(perM2, smallestAreaM2_), largestGain_, 1.0f);
 }

@@ -49,6 +49,8 @@ public:
     double finestPixelM(std::span<const Mat3x4f> worldFromRest, std::span<const Cameraf> views, float scale = 1) const;
     /** Upper bound of the splats drawn at a wanted density (1/m²); continuous, and rises with it. */
     double drawnAtMost(double perM2) const;
+    /** The largest density at which no more than this many splats are drawn; that of one splat a group if even these are more. */
+    double densityWithin(uint32_t splats) const;
     uint32_t splatCount() const { return splatCount_; }
     float drawnShare(const SplatDetail& detail) const {
         return splatCount_ == 0 ? 1.0f : float(drawnAtMost(double(detail.perM2)) / splatCount_);

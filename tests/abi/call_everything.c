@@ -163,6 +163,31 @@ static void callProject(DplContext context, DplAvatar avatar) {
     CHECK(projection.counts[0] > 0 && projection.counts[1] == 0 && splats[0].opacity > 0);
 }
 
+static void callPosed(DplAvatar avatar) {
+    static float numbers[1 << 16];
+    const float eye[3] = {0, 1, 3};
+    DplAvatarInfo info = {0};
+    DplBufferElement place[2] = {{0}};
+    DplBuffer buffer = {0};
+    DplSplatOptions options = {0};
+    DplWritten written = {0};
+    info.structSize = sizeof info;
+    OK(dplGetAvatarInfo(avatar, &info));
+    place[0].structSize = place[1].structSize = sizeof place[0], place[0].strideBytes = place[1].strideBytes = 16;
+    place[0].property = DPL_SPLAT_POSITION, place[1].property = DPL_SPLAT_OPACITY, place[1].offsetBytes = 12;
+    buffer.structSize = sizeof buffer, buffer.elementCount = 2, buffer.elements = place, buffer.data = numbers;
+    buffer.dataBytes = sizeof numbers;
+    options.structSize = sizeof options, options.eye = eye, written.structSize = sizeof written;
+    OK(dplWriteSplats(avatar, &options, &buffer, &written));
+    CHECK(written.count == info.splatCount && written.saturated == 0 && numbers[3] >= 0 && numbers[3] <= 1);
+    place[1].offsetBytes = 8;
+    CHECK(dplWriteSplats(avatar, &options, &buffer, &written) == DPL_ERROR_INVALID_ARGUMENT && strstr(dplGetLastError(), "overlap"));
+    place[0].property = DPL_VERTEX_NORMAL, buffer.elementCount = 1;
+    OK(dplWriteMesh(avatar, &buffer, &written));
+    CHECK(written.count == info.vertexCount);
+    CHECK(fabsf(numbers[0] * numbers[0] + numbers[1] * numbers[1] + numbers[2] * numbers[2] - 1) < 1e-5f);
+}
+
 static void callTracker(DplAvatar avatar) {
     float rotations[4 * 53] = {0}, positions[3 * 53] = {0}, confidence[53] = {0};
     DplTrackerInfo info = {0};
@@ -308,6 +333,7 @@ int main(int argc, char** argv) {
         callPoses(avatar, about.jointCount);
         callSurface(avatar);
         callProject(context, avatar);
+        callPosed(avatar);
         callTracker(avatar);
         callLoads(context, size);
         callConversions();

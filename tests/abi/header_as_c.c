@@ -51,6 +51,10 @@ int main(void) {
         CHECK(sizeof(DplPick) == 48 && offsetof(DplPick, distanceM) == 20 && offsetof(DplPick, normal) == 36);
         CHECK(sizeof(DplDetail) == 12);
         CHECK(sizeof(DplScreenSplat) == 32 && offsetof(DplScreenSplat, inverseVarianceY) == 20 && offsetof(DplScreenSplat, opacity) == 30);
+        CHECK(sizeof(DplBufferElement) == 32 && offsetof(DplBufferElement, offsetBytes) == 16);
+        CHECK(sizeof(DplBuffer) == 32 && offsetof(DplBuffer, elements) == 8 && offsetof(DplBuffer, dataBytes) == 24);
+        CHECK(sizeof(DplWritten) == 16 && offsetof(DplWritten, saturated) == 8);
+        CHECK(sizeof(DplSplatOptions) == 24 && offsetof(DplSplatOptions, eye) == 8 && offsetof(DplSplatOptions, shDegree) == 16);
         CHECK(sizeof(DplProjection) == 16 && offsetof(DplProjection, samples) == 12);
         CHECK(sizeof(DplCaptureDetail) == 52 && offsetof(DplCaptureDetail, views) == 36);
         CHECK(sizeof(DplPoseTrust) == 24 && offsetof(DplPoseTrust, farthestJoint) == 16);

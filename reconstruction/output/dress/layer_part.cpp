@@ -109,8 +109,10 @@ void movePart(std::vector<Vec3f> restPositions, LayerPart& part) {
         const TriangleFrame<double> frame = poseTriangle(restTriangle(at(old, 0), at(old, 1), at(old, 2)), at(part.mesh.restPositions, 0),
                                                          at(part.mesh.restPositions, 1), at(part.mesh.restPositions, 2));
         if (!frame.valid) continue;
+        if (splats.triangleStart[t] == splats.triangleStart[t + 1]) continue;
+        const ShTurn<double> turn = rotator.turn(frame.worldFromRest, splats.shDegree);
         for (uint32_t i = splats.triangleStart[t]; i < splats.triangleStart[t + 1]; ++i)
-            rotator.rotate(frame.worldFromRest, splats.shDegree, &splats.sh[i * 3 * size_t(shCoefficientCount(splats.shDegree))]);
+            turn.apply(&splats.sh[i * 3 * size_t(shCoefficientCount(splats.shDegree))]);
     }
 }
 

@@ -7,11 +7,9 @@
 #include <numbers>
 #include <random>
 
+#include "reconstruction/output/package/avatar_drawer.h"
 #include "reconstruction/subject/surface/orbit_camera.h"
-#include "sdk/avatar/posed_mesh.h"
-#include "sdk/avatar/scene_light.h"
 #include "sdk/motion/clip.h"
-#include "sdk/splat/splat_engine.h"
 
 namespace dpl {
 namespace {
@@ -50,38 +48,6 @@ Cameraf randomCamera(std::span<const Vec3f> positions, bool close, std::mt19937_
     return orbitCamera(target, distance, azimuth, elevation, distance / extent * kHeightPx, kWidthPx, kHeightPx).cast<float>();
 }
 
-/** Poses and projects an avatar, reusing its buffers between pictures. The avatar must outlive it. */
-class Drawer {
-public:
-    Drawer(const AvatarData& avatar, Jobs& jobs)
-        : avatar_(avatar),
-          jobs_(jobs),
-          engine_(jobs),
-          rest_(restTriangles(avatar.mesh)),
-          normals_(restVertexNormals(avatar.mesh)),
-          triangle_(avatar.splats.count()) {
-        const auto& start = avatar.splats.triangleStart;
-        for (uint32_t t = 0; t + 1 < start.size(); ++t) std::fill(triangle_.begin() + start[t], triangle_.begin() + start[t + 1], t);
-    }
-    SplatEngine& project(const Pose& pose, const Cameraf& camera) {
-        const SplatData& s = avatar_.splats;
-        mesh_.pose({avatar_.joints, avatar_.mesh, avatar_.correctives, {rest_}, &avatar_.light, normals_}, pose, jobs_);
-        engine_.project(BoundSplatView{triangle_, s.uv, s.phi, s.scaleM, s.opacity, s.flags, s.shDegree, s.sh}, mesh_.frames(), camera,
-                        avatar_.kappaPx2, avatar_.compensated);
-        engine_.bin();
-        return engine_;
-    }
-
-private:
-    const AvatarData& avatar_;
-    Jobs& jobs_;
-    SplatEngine engine_;
-    std::vector<RestTriangle<float>> rest_;
-    std::vector<Vec3f> normals_;
-    std::vector<uint32_t> triangle_;
-    PosedMesh mesh_;
-};
-
 double psnrOf(double squares, double values) {
     return squares > 0 ? 10 * std::log10(values / squares) : std::numeric_limits<double>::infinity();
 }
@@ -99,7 +65,7 @@ PackPictures::PackPictures(const AvatarData& avatar, uint32_t count, uint64_t se
     std::mt19937_64 random(seed);
     const std::vector<RestTriangle<float>> rest = restTriangles(avatar.mesh);
     PosedMesh posed;
-    Drawer drawer(avatar, jobs);
+    AvatarDrawer drawer(avatar, jobs);
     for (uint32_t i = 0; i < count; ++i) {
         Shot shot;
         if (i % 2 == 0 && !avatar.clips.empty()) {
@@ -119,7 +85,7 @@ PackPictures::PackPictures(const AvatarData& avatar, uint32_t count, uint64_t se
 
 PackError PackPictures::compare(const AvatarData& packed) const {
     PackError error;
-    Drawer drawer(packed, jobs_);
+    AvatarDrawer drawer(packed, jobs_);
     SplatImage image;
     for (const Shot& shot : shots_) {
         drawer.project(shot.pose, shot.camera).blend(image);
@@ -138,30 +104,8 @@ PackError PackPictures::compare(const AvatarData& packed) const {
 
 std::vector<float> PackPictures::importance(const AvatarData& avatar) const {
     std::vector<double> sum(avatar.splats.count(), 0.0);
-    Drawer drawer(avatar, jobs_);
-    for (const Shot& shot : shots_) {
-        const SplatEngine& engine = drawer.project(shot.pose, shot.camera);
-        const TileLists& tiles = engine.tiles();
-        const auto projected = engine.projected();
-        // One thread and a fixed order (tiles, pixels, depth) make the sums reproducible.
-        for (uint32_t tile = 0; tile < tiles.columns * tiles.rows; ++tile) {
-            const uint32_t x0 = tile % tiles.columns * kTileSizePx, y0 = tile / tiles.columns * kTileSizePx;
-            for (uint32_t y = y0; y < std::min(y0 + kTileSizePx, kHeightPx); ++y)
-                for (uint32_t x = x0; x < std::min(x0 + kTileSizePx, kWidthPx); ++x) {
-                    float left = 1;
-                    for (uint32_t e = tiles.offset[tile]; e < tiles.offset[tile + 1] && left > 1e-4f; ++e) {
-                        const ProjectedSplat& s = projected[tiles.entries[e]];
-                        const float dx = float(x) + 0.5f - s.x, dy = float(y) + 0.5f - s.y;
-                        if (std::abs(dx) > s.radiusX || std::abs(dy) > s.radiusY) continue;
-                        const float alpha = std::min(
-                            float(kMaxAlpha), s.opacity * std::exp(-0.5f * (s.conicA * dx * dx + s.conicC * dy * dy) - s.conicB * dx * dy));
-                        if (alpha < float(kMinAlpha)) continue;
-                        sum[tiles.entries[e]] += alpha * left;
-                        left *= 1 - alpha;
-                    }
-                }
-        }
-    }
+    AvatarDrawer drawer(avatar, jobs_);
+    for (const Shot& shot : shots_) addContributions(drawer.project(shot.pose, shot.camera), shot.camera, sum);
     return {sum.begin(), sum.end()};
 }
 

@@ -834,5 +834,6 @@ DPL_API DplResult dplGetPassTime(DplAvatar avatar, uint32_t pass, DplPassTime* t
 }
 #endif
 
+#include "doppel_posed.h"
 #include "doppel_surface.h"
 #endif

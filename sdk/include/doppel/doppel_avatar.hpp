@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cmath>
+#include <cstddef>
 #include <cstdint>
 #include <functional>
 #include <initializer_list>
@@ -91,6 +92,17 @@ inline Result<ContactShadow> contactShadowOf(DplAvatar avatar, std::optional<flo
     if (r != DPL_OK) return lastError(r);
     return made;
 }
+
+/** Where a property lies in a buffer, for Avatar::writeSplats and Avatar::writeMesh; see DplBufferElement. */
+inline DplBufferElement bufferElement(uint32_t property, uint64_t offsetBytes, uint64_t strideBytes = 0,
+                                      DplNumber number = DPL_NUMBER_FLOAT) {
+    return {sizeof(DplBufferElement), property, number, 0, offsetBytes, strideBytes};
+}
+
+/** DplSplatOptions that know their size. */
+struct SplatOptions : DplSplatOptions {
+    SplatOptions() : DplSplatOptions{} { structSize = sizeof(DplSplatOptions); }
+};
 
 /** Owns one avatar, which it destroys. Move-only: construction by move leaves the source empty, assignment by move swaps. */
 class Avatar {
@@ -266,6 +278,22 @@ public:
         if (const DplResult r = dplGetNearestDistance(handle_, point.data(), eye.data(), focalPx, magnification, &distanceM); r != DPL_OK)
             return lastError(r);
         return distanceM;
+    }
+    /** How many splats writeSplats writes. */
+    Result<uint32_t> splatCount(const SplatOptions& options = {}) const {
+        const auto written = filled<DplWritten>(dplWriteSplats, handle_, &options, nullptr);
+        return written ? Result<uint32_t>(written->count) : Result<uint32_t>(written.error());
+    }
+    /** Writes the splats of the current pose into `data`, laid out by bufferElement()s. See dplWriteSplats. */
+    Result<DplWritten> writeSplats(std::span<const DplBufferElement> elements, std::span<std::byte> data,
+                                   const SplatOptions& options = {}) const {
+        const DplBuffer buffer{sizeof buffer, uint32_t(elements.size()), elements.data(), data.data(), data.size()};
+        return filled<DplWritten>(dplWriteSplats, handle_, &options, &buffer);
+    }
+    /** Writes the vertices of the current pose. See dplWriteMesh. */
+    Result<DplWritten> writeMesh(std::span<const DplBufferElement> elements, std::span<std::byte> data) const {
+        const DplBuffer buffer{sizeof buffer, uint32_t(elements.size()), elements.data(), data.data(), data.size()};
+        return filled<DplWritten>(dplWriteMesh, handle_, &buffer);
     }
     Result<DplFrameStats> frameStats() const { return filled<DplFrameStats>(dplGetFrameStats, handle_); }
     Result<DplPassTime> passTime(uint32_t pass) const { return filled<DplPassTime>(dplGetPassTime, handle_, pass); }

@@ -43,6 +43,10 @@ TEST_P(ApiVulkan, drawsWhatTheCpuDraws) {
     const auto bytes = tinyFile();
     DplAvatar avatar = nullptr;
     ASSERT_EQ(dplLoadAvatar(context, bytes.data(), bytes.size(), &avatar), DPL_OK) << dplGetLastError();
+    DplWritten written{sizeof written};
+    EXPECT_EQ(dplWriteSplats(avatar, nullptr, nullptr, &written), DPL_ERROR_UNSUPPORTED);
+    EXPECT_TRUE(errorSays("memory of the GPU")) << dplGetLastError();
+    EXPECT_EQ(dplWriteMesh(avatar, nullptr, &written), DPL_OK) << dplGetLastError();
     const DplCamera cameras[2] = {frontCamera(96, 80, 0.03f), frontCamera(96, 80, -0.03f)};
     std::vector<uint8_t> cpu[2], gpu[2];
     std::vector<float> cpuDepth[2], gpuDepth[2], cpuMesh[2], gpuMesh[2];

@@ -92,6 +92,7 @@ TEST_F(StructSize, outputs) {
                             [&](DplContactShadow* s) { return dplGetContactShadow(person_, nullptr, alpha.data(), alpha.size(), s); });
     check<DplLayerInfo>("DplLayerInfo", nothing<DplLayerInfo>, [&](DplLayerInfo* s) { return dplGetLayerInfo(person_, 0, s); });
     const float origin[3] = {0, 1, 3}, direction[3] = {0, 0, -1};
+    check<DplWritten>("DplWritten", nothing<DplWritten>, [&](DplWritten* s) { return dplWriteSplats(person_, nullptr, nullptr, s); });
     check<DplPick>("DplPick", nothing<DplPick>, [&](DplPick* s) { return dplPick(&person_, 1, origin, direction, s); });
     DplTrackerInfo info{};
     info.structSize = sizeof info;
@@ -130,6 +131,23 @@ TEST_F(StructSize, inputs) {
         [&](DplClipLayer* s) { return dplJoinClipLayer(person_, &layer, s); });
     check<DplGaze>(
         "DplGaze", [](DplGaze& g) { g.target[2] = 3, g.headWeight = 1; }, [&](DplGaze* s) { return dplLookAtPoint(person_, s); });
+    std::vector<float> numbers(1 << 16);
+    const DplBufferElement place{sizeof(DplBufferElement), DPL_SPLAT_POSITION, DPL_NUMBER_FLOAT, 0, 0, 0};
+    DplWritten written{sizeof(DplWritten)};
+    const DplBuffer buffer{sizeof(DplBuffer), 1, &place, numbers.data(), numbers.size() * 4};
+    check<DplSplatOptions>("DplSplatOptions", nothing<DplSplatOptions>, [&](DplSplatOptions* s) {
+        return s ? dplWriteSplats(person_, s, nullptr, &written) : DPL_ERROR_INVALID_ARGUMENT;  // NULL means zeros
+    });
+    check<DplBuffer>(
+        "DplBuffer", [&](DplBuffer& b) { b = buffer; },
+        [&](DplBuffer* s) { return s ? dplWriteSplats(person_, nullptr, s, &written) : DPL_ERROR_INVALID_ARGUMENT; });
+    check<DplBufferElement>(
+        "DplBufferElement", [&](DplBufferElement& e) { e = place; },
+        [&](DplBufferElement* s) {
+            DplBuffer one = buffer;
+            one.elements = s;
+            return dplWriteMesh(person_, &one, &written);
+        });
     check<DplDetail>("DplDetail", nothing<DplDetail>,
                      [&](DplDetail* s) { return s ? dplSetDetail(context_, s) : DPL_ERROR_INVALID_ARGUMENT; });
     std::vector<uint8_t> pixels(16 * 16 * 4);

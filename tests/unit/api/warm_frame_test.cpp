@@ -164,6 +164,35 @@ uint64_t mixFrames(doppel::Avatar& avatar, doppel::Player& player, int frames) {
     return allocations;
 }
 
+TEST(WarmFrame, writtenSplatsAndVerticesAreFree) {
+    auto context = doppel::Context::create(DPL_RENDERER_SOFTWARE, 2);
+    ASSERT_TRUE(context) << context.error().message;
+    auto avatar = context->loadAvatar(avatarFile());
+    ASSERT_TRUE(avatar) << avatar.error().message;
+    std::vector<std::byte> bytes(1 << 22);
+    const DplBufferElement splats[] = {doppel::bufferElement(DPL_SPLAT_POSITION, 0, 256),
+                                       doppel::bufferElement(DPL_SPLAT_ROTATION, 12, 256),
+                                       doppel::bufferElement(DPL_SPLAT_SH, 64, 256, DPL_NUMBER_HALF)};
+    const DplBufferElement vertices[] = {doppel::bufferElement(DPL_VERTEX_POSITION, 0, 24),
+                                         doppel::bufferElement(DPL_VERTEX_NORMAL, 12, 24)};
+    const float eye[3] = {0, 1, 2};
+    doppel::SplatOptions options;
+    options.eye = eye, options.shDegree = 3, options.splatBudget = 900;
+    const auto play = [&](int frames) {
+        bool good = true;
+        AllocationCount count;
+        for (int frame = 0; frame < frames; ++frame) {
+            good = good && avatar->setPoseFromClip(0u, double(frame) / frames);
+            good = good && avatar->writeSplats(splats, bytes, options) && avatar->writeMesh(vertices, bytes);
+        }
+        const uint64_t allocations = count.stop();
+        EXPECT_TRUE(good) << dplGetLastError();
+        return allocations;
+    };
+    EXPECT_GT(play(3), 0u) << "the counter counts nothing";
+    EXPECT_EQ(play(18), 0u);
+}
+
 TEST(WarmFrame, projectedSplatsAreFree) {
     const DplContextInfo info{sizeof(DplContextInfo), DPL_RENDERER_SOFTWARE, 2, 0, DPL_FILL_AUTO, nullptr};
     DplContext context = nullptr;

@@ -31,11 +31,11 @@ TEST(GltfSplats, readsWhatSplatTransformWrites) {
     ASSERT_TRUE(file) << file.error().message;
     StaticSplatData want = pinnedSplats();
     const Mat3d halfTurn(-1, 0, 0, 0, -1, 0, 0, 0, 1);  // splat-transform takes a PLY as y-down and rotates it upright about z
-    const ShRotator rotator;
+    const ShTurn<double> turn = ShRotator().turn(halfTurn, 3);
     for (size_t i = 0; i < want.count(); ++i) {
         want.position[i] = Mat3f(halfTurn) * want.position[i];
         want.rotation[i] = Quatf(0, 0, 0, 1) * want.rotation[i];
-        rotator.rotate(halfTurn, 3, &want.sh[i * 48]);
+        turn.apply(&want.sh[i * 48]);
     }
     expectSplats(file->splats, want, {1e-6f, 1e-6f, 1e-5f, 1e-6f, 1e-6f, 2e-6f});
 }

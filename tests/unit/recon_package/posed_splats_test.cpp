@@ -8,6 +8,7 @@
 #include "sdk/avatar/posed_mesh.h"
 #include "sdk/math/binding.h"
 #include "sdk/math/sh.h"
+#include "sdk/splat/posed_splats.h"
 #include "tests/unit/format/sample_correctives.h"
 
 namespace {

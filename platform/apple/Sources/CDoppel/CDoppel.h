@@ -6,6 +6,7 @@
 
 #include <doppel/doppel.h>
 #include <doppel/doppel_convert.h>
+#include <doppel/doppel_posed.h>
 #include <doppel/doppel_surface.h>
 #define DPL_METAL_POINTERS /* Metal objects are plain pointers, so this module has the same types on every platform */
 #include <doppel/doppel_metal.h>
