@@ -36,9 +36,11 @@ std::string digestOf(std::span<const uint8_t> bytes) {
 }
 
 std::string sizeText(double bytes) {
+    const char* const units[] = {"KiB", "MiB", "GiB"};
+    size_t unit = 0;
+    for (bytes /= 1024; bytes >= 1024 && unit < 2; ++unit) bytes /= 1024;
     char text[32];
-    const double mebi = bytes / (1 << 20);
-    std::snprintf(text, sizeof text, mebi >= 1024 ? "%.1f GiB" : "%.1f MiB", mebi >= 1024 ? mebi / 1024 : mebi);
+    std::snprintf(text, sizeof text, "%.1f %s", bytes, units[unit]);
     return text;
 }
 
