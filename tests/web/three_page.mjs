@@ -5,7 +5,7 @@ import { Doppel } from '../../platform/web/doppel.js';
 import { DoppelGroup } from '../../platform/web/three-group.js';
 
 const MODULE = '/module/doppel.wasm', PERSON = '/work/person.glb', KIT = '/work/kit/';
-const WIDTH = 320, HEIGHT = 400, FRAMES = 60, MOST_WINDOWS = 20, QUIET_BYTES = 28 * FRAMES;  // one object a frame
+const WIDTH = 320, HEIGHT = 400, FRAMES = 60, MOST_WINDOWS = 20, QUIET_BYTES = 12 * FRAMES;  // less than one object a frame
 const found = { revision: THREE.REVISION, scenes: [] };
 const post = (path, body) => fetch(path, { method: 'POST', body });
 const event = (target, type) => new Promise(done => target.addEventListener(type, done, { once: true }));
