@@ -43,9 +43,11 @@ int exportClip(const ExportOptions& options) {
 
 void addExportCommand(CLI::App& app, CommandRun& run) {
     auto options = std::make_shared<ExportOptions>();
-    auto mesh = std::make_shared<bool>(false);
+    auto mesh = std::make_shared<bool>(false), skinnedSplats = std::make_shared<bool>(false);
     CLI::App* command = app.add_subcommand(
-        "export", "Write one posed frame as general splats for other viewers, or the skinned mesh, or convert general splats");
+        "export",
+        "Write one posed frame as general splats for other viewers, or the skinned mesh, alone or with splats on it, or convert general "
+        "splats");
     command
         ->add_option("avatar", options->avatar,
                      "Avatar file (.glb), or general splats (.ply, compressed .ply, .spz, .glb with KHR_gaussian_splatting)")
@@ -88,24 +90,36 @@ void addExportCommand(CLI::App& app, CommandRun& run) {
         ->excludes("--axes")
         ->excludes("--input-axes")
         ->excludes("--spz-version");
+    command
+        ->add_flag(
+            "--skinned-splats", *skinnedSplats,
+            "Write this mesh with the splats bound to it, by the open glTF extension DPL_skinned_gaussian_splatting, for engines that "
+            "pose splats themselves")
+        ->excludes("--mesh")
+        ->excludes("--clip")
+        ->excludes("--axes")
+        ->excludes("--input-axes")
+        ->excludes("--spz-version");
     command->footer(
         "Examples:\n"
         "  doppel export ada/avatar.glb -o ada-splats.glb\n"
         "  doppel export ada/avatar.glb -o stride.glb --clip 02_01.bvh --time 0.8\n"
         "  doppel export ada/avatar.glb -o walk --clip 02_01.bvh --fps 30           (walk/00000.spz, walk/00001.spz ...)\n"
         "  doppel export ada/avatar.glb --mesh -o ada-mesh.glb\n"
+        "  doppel export ada/avatar.glb --skinned-splats -o ada-skinned.glb\n"
         "  doppel export guitar.spz -o guitar.ply\n"
         "  doppel export guitar.ply -o guitar.spz --input-axes y-down\n"
         "The mesh is unlit (KHR_materials_unlit): its colours contain the light of the scan, and viewers show them as photographed.");
-    command->callback([options, mesh, &run] {
+    command->callback([options, mesh, skinnedSplats, &run] {
         if (options->fps > 0 && options->format.empty()) options->format = "spz";
+        const bool splats = *skinnedSplats, skinnedMesh = *mesh || splats;
         refuseInputAsOutput(options->out, {options->avatar, options->clip});
-        if (const std::string wrong = *mesh ? "" : wrongExport(*options); !wrong.empty()) throw CLI::ValidationError("--out", wrong);
-        run = [options, mesh] {
-            if (!*mesh) return options->fps > 0 ? exportClip(*options) : exportOneFrame(*options);
-            auto line = exportMesh(options->avatar, options->out);
-            if (!line) return reportError(line.error());
-            std::printf("%s\n", line->c_str());
+        if (const std::string wrong = skinnedMesh ? "" : wrongExport(*options); !wrong.empty()) throw CLI::ValidationError("--out", wrong);
+        run = [options, skinnedMesh, splats] {
+            if (!skinnedMesh) return options->fps > 0 ? exportClip(*options) : exportOneFrame(*options);
+            auto lines = exportMesh(options->avatar, options->out, {.skinnedSplats = splats});
+            if (!lines) return reportError(lines.error());
+            std::printf("%s\n", lines->c_str());
             return int(kExitOk);
         };
     });

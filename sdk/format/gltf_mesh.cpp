@@ -5,12 +5,14 @@
 
 #include "sdk/format/avatar_check.h"
 #include "sdk/format/skinned_mesh_write.h"
+#include "sdk/format/skinned_splats_write.h"
 
 namespace dpl {
 
-Result<std::vector<uint8_t>> writeGltfMesh(const AvatarData& avatar, std::span<const Vec3f> normals) try {
+Result<std::vector<uint8_t>> writeGltfMesh(const AvatarData& avatar, std::span<const Vec3f> normals, const GltfMeshOptions& options) try {
     constexpr float kUnitError = 1e-4f;  // of a length; a normal in floats has 1e-7
-    DPL_RETURN_IF_ERROR(checkAvatarWithoutSplats(avatar));
+    DPL_RETURN_IF_ERROR(options.skinnedSplats ? checkAvatar(avatar) : checkAvatarWithoutSplats(avatar));
+    if (options.skinnedSplats && avatar.splats.count() == 0) return fail(Code::InvalidArgument, "the avatar has no splats to write");
     if (avatar.mesh.layers.empty()) return fail(Code::InvalidArgument, "the avatar has no mesh to write");
     if (normals.size() != avatar.mesh.restPositions.size())
         return fail(Code::InvalidArgument, "{} normals for {} vertices", normals.size(), avatar.mesh.restPositions.size());
@@ -22,6 +24,7 @@ Result<std::vector<uint8_t>> writeGltfMesh(const AvatarData& avatar, std::span<c
     glb.root["asset"] = {{"version", "2.0"}, {"generator", "Doppel"}};
     glb.root["extensionsUsed"] = Json::array();
     DPL_RETURN_IF_ERROR(addLayers(glb, snapped, {.draco = false, .normals = normals}));
+    if (options.skinnedSplats) addSkinnedSplats(glb, snapped);
     addSkeletonAndClips(glb, snapped);
     DPL_RETURN_IF_ERROR(checkGlbSize(glb));
     return glb.finish([](std::string&, std::span<const uint8_t>) {});

@@ -15,6 +15,7 @@
 #include "sdk/format/skinned_gltf.h"
 #include "tests/unit/format/glb_parts.h"
 #include "tests/unit/format/sample_avatars.h"
+#include "tests/unit/format/sample_correctives.h"
 
 namespace dpl {
 namespace {
@@ -123,6 +124,69 @@ TEST_F(ExportMesh, otherReadersFindMeshSkeletonAndClipsButNoSplats) {
     ASSERT_EQ(read->animations.size(), avatar_.clips.size());
     EXPECT_EQ(read->animations[1].name, avatar_.clips[1].name);
     EXPECT_FALSE(parts_.json.contains("extensions"));
+}
+
+TEST_F(ExportMesh, skinnedSplatsLieOnTheTrianglesOfTheirLayer) {
+    const auto lines = exportMesh(folder_ / "avatar.glb", folder_ / "skinned.glb", {.skinnedSplats = true});
+    ASSERT_TRUE(lines) << lines.error().message;
+    bytes_ = *readFile(folder_ / "skinned.glb", 1u << 24);
+    parts_ = test::split(bytes_);
+    const std::string name = "DPL_skinned_gaussian_splatting";
+    EXPECT_EQ(parts_.json["extensionsUsed"], nlohmann::json::array({"KHR_materials_unlit", name}));
+    EXPECT_FALSE(parts_.json.contains("extensionsRequired")) << "others show the mesh";
+    uint32_t count = 0;
+    for (size_t l = 0; l < avatar_.mesh.layers.size(); ++l) {
+        const LayerData& layer = avatar_.mesh.layers[l];
+        const nlohmann::json& extension = parts_.json["meshes"][l]["primitives"][0]["extensions"][name];
+        EXPECT_EQ(extension["lowPassVariance"], avatar_.kappaPx2);
+        auto bytes = [&](const char* attribute) { return parts_.accessor(extension["attributes"][attribute].get<size_t>()); };
+        const auto triangle = bytes("TRIANGLE"), uv = bytes("BARYCENTRIC"), outside = bytes("OUTSIDE"), red = bytes("SH_DEGREE_1_COEF_2");
+        uint32_t i = 0;
+        for (uint32_t t = 0; t < layer.triangleCount; ++t)
+            for (uint32_t s = avatar_.splats.triangleStart[layer.firstTriangle + t];
+                 s < avatar_.splats.triangleStart[layer.firstTriangle + t + 1]; ++s, ++i) {
+                uint32_t parent;
+                Vec2f place;
+                Vec3f sh;
+                std::memcpy(&parent, triangle.data() + 4 * i, 4), std::memcpy(&place, uv.data() + 8 * i, 8);
+                std::memcpy(&sh, red.data() + 12 * i, 12);
+                ASSERT_EQ(parent, t) << layer.name;
+                ASSERT_EQ(place, avatar_.splats.uv[s]);
+                ASSERT_EQ(sh.x, avatar_.splats.sh[size_t(s) * 12 + 9]);
+                ASSERT_EQ(outside[i], avatar_.splats.flags[s] & kSplatSingleFace);
+            }
+        EXPECT_EQ(triangle.size(), size_t(i) * 4);
+        count += i;
+    }
+    EXPECT_EQ(count, avatar_.splats.count());
+    EXPECT_EQ(lines->find("left out"), std::string::npos) << *lines;
+}
+
+TEST_F(ExportMesh, skinnedSplatsLeaveOutLayersWithoutSplatsAndAreRefusedWhereThereAreNone) {
+    AvatarData bare = avatar_;
+    const LayerData& first = bare.mesh.layers[0];
+    const uint32_t gone = bare.splats.triangleStart[first.triangleCount], floats = shCoefficientCount(bare.splats.shDegree) * 3;
+    auto cut = [&](auto& values, size_t each) { values.erase(values.begin(), values.begin() + std::ptrdiff_t(gone * each)); };
+    cut(bare.splats.uv, 1), cut(bare.splats.phi, 1), cut(bare.splats.scaleM, 1), cut(bare.splats.opacity, 1), cut(bare.splats.flags, 1);
+    cut(bare.splats.sh, floats);
+    for (uint32_t& start : bare.splats.triangleStart) start = start > gone ? start - gone : 0;
+    const std::vector<Vec3f> normals(bare.mesh.restPositions.size(), Vec3f(0, 0, 1));
+    const auto file = writeGltfMesh(bare, normals, {.skinnedSplats = true});
+    ASSERT_TRUE(file) << file.error().message;
+    const nlohmann::json json = test::split(*file).json;
+    EXPECT_FALSE(json["meshes"][0]["primitives"][0].contains("extensions"));
+    EXPECT_TRUE(json["meshes"][1]["primitives"][0].contains("extensions"));
+    bare.splats = {};
+    bare.splats.triangleStart.assign(bare.mesh.triangles.size() + 1, 0);
+    EXPECT_NE(writeGltfMesh(bare, normals, {.skinnedSplats = true}).error().message.find("no splats"), std::string::npos);
+}
+
+TEST_F(ExportMesh, skinnedSplatsSayWhatTheyCannotHold) {
+    const AvatarData moving = test::withCorrectives(avatar_, 1);
+    ASSERT_TRUE(bool(writeFileAtomically(folder_ / "moving.glb", *writeAvatar(moving))));
+    const auto lines = exportMesh(folder_ / "moving.glb", folder_ / "skinned.glb", {.skinnedSplats = true});
+    ASSERT_TRUE(lines) << lines.error().message;
+    EXPECT_NE(lines->find("left out: pose correctives"), std::string::npos) << *lines;
 }
 
 TEST_F(ExportMesh, refusesOtherEndingsAndFilesWithoutAMesh) {
