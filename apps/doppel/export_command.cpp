@@ -62,10 +62,10 @@ void addExportCommand(CLI::App& app, CommandRun& run) {
     command->add_option("--input-axes", options->inputAxes, "The up axis of general splats, instead of the one that they state")
         ->check(CLI::IsMember(kAxesNames));
     command
-        ->add_option(
-            "--axes", options->axes,
-            "Axes of a .ply. y-down (default): half a turn about z, for SuperSplat and splat-transform; y-up: for three.js, Spark and "
-            "the PlayCanvas engine. The file states them")
+        ->add_option("--axes", options->axes,
+                     "Axes of a .ply. y-down (default): half a turn about z, for SuperSplat, splat-transform and Babylon.js; y-up: for "
+                     "three.js, Spark and "
+                     "the PlayCanvas engine. The file states them")
         ->check(CLI::IsMember({"y-down", "y-up"}));
     command->add_option("--spz-version", options->spzVersion, "Version of a .spz; 3 for older readers")
         ->check(CLI::IsMember({3, 4}))
