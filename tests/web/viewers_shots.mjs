@@ -8,8 +8,9 @@ export const SHOTS = [
   { name: 'near', eye: [0.12, 1.6, 0.7], target: [0, 1.55, 0], fovY: 0.6 },
 ];
 
-/** The shots of a viewer. three.js' own splats take twenty seconds a picture where SwiftShader stands in for a GPU. */
-export const shotsOf = viewer => SHOTS.filter(({ name }) => viewer !== 'three-splats' || ['side-0', 'side-3', 'near'].includes(name));
+/** The shots of a viewer. Two take some twenty seconds a picture where SwiftShader stands in for a GPU. */
+const SLOW = ['three-splats', 'spark'], FEW = ['side-0', 'side-3', 'near'];
+export const shotsOf = viewer => SHOTS.filter(({ name }) => !SLOW.includes(viewer) || FEW.includes(name));
 
 /** A line of the referee's input: the avatar at rest. */
 export const line = shot => [-1, 0, ...shot.eye, ...shot.target, shot.fovY, WIDTH, HEIGHT, `${shot.name}.rgba`].join(' ');

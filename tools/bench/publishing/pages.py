@@ -325,7 +325,7 @@ def viewers(store):
                 barred(row, "sides_patch", 0), f"{number(row['near_db'], 1)} · {number(row['near_covered_db'], 1)}", number(row["near_patch"], 0)]
 
     def body(rows):
-        return ("One person at rest, 480 × 640 pixels over white, against `dplRender`: from eight sides (three.js' own splats from two: on SwiftShader they take longest), and the face from 0.7 m. dB of all pixels · "
+        return ("One person at rest, 480 × 640 pixels over white, against `dplRender`: from eight sides (three.js' own splats and Spark from two: on SwiftShader they take longest), and the face from 0.7 m. dB of all pixels · "
                 "of those that either picture covers. *Worst patch*: the mean difference in the worst square of 16 pixels, levels. A viewer has no gate, "
                 "draws with a low-pass of its own, and smooths the edges of meshes as it likes.\n\n" + table(
                     ["viewer", "file", "stands", "height", "eight sides, dB", "worst patch", "0.7 m, dB", "worst patch"],
