@@ -6,7 +6,7 @@ import { HEIGHT, shotsOf, WIDTH } from './viewers_shots.mjs';
 const post = (path, body) => fetch(path, { method: 'POST', body });
 const pause = ms => new Promise(done => setTimeout(done, ms));
 const degrees = radians => radians * 180 / Math.PI;
-const LONGEST_LOAD_MS = 40000;
+const LONGEST_LOAD_MS = 40000, LONGEST_SORT_MS = 60000;
 
 /** Pixels of a canvas that has just been drawn, over white. */
 function pixelsOf(canvas) {
@@ -39,7 +39,7 @@ async function threeScene(THREE, renderer) {
 
 const KINDS = { three: ['mesh'], 'three-splats': ['splats'], spark: ['splats'], playcanvas: ['splats', 'mesh'], babylon: ['splats', 'mesh'] };
 
-/** Each returns {draw(shot) → canvas, end()}. */
+/** Each returns {draw(shot) → canvas, isSorting(), end()}; without isSorting it has sorted when 0.4 s have passed. */
 const VIEWERS = {
   async three({ url }) {
     const THREE = await import('three'), { GLTFLoader } = await import('three/addons/loaders/GLTFLoader.js');
@@ -52,6 +52,7 @@ const VIEWERS = {
   async 'three-splats'({ url, name }) {
     const THREE = await import('three/webgpu');
     const renderer = new THREE.WebGPURenderer({ antialias: false, forceWebGL: true, canvas: newCanvas() });
+    renderer.outputColorSpace = THREE.LinearSRGBColorSpace;  // the colours of splats are those of the screen already
     await renderer.init();
     const { scene, draw } = await threeScene(THREE, renderer), { GaussianSplat } = await import('three/addons/objects/GaussianSplat.js');
     if (name.endsWith('.glb')) {
@@ -72,9 +73,10 @@ const VIEWERS = {
     const THREE = await import('three'), { SparkRenderer, SplatMesh } = await import('spark');
     const renderer = new THREE.WebGLRenderer({ antialias: false, canvas: newCanvas() }), { scene, draw } = await threeScene(THREE, renderer);
     const mesh = new SplatMesh({ url });
-    scene.add(new SparkRenderer({ renderer }), mesh);
+    const splats = new SparkRenderer({ renderer });
+    scene.add(splats, mesh);
     await mesh.initialized;
-    return { draw, end: () => (mesh.dispose(), renderer.dispose()) };
+    return { draw, isSorting: () => splats.sorting || splats.sortDirty, end: () => (mesh.dispose(), renderer.dispose()) };
   },
 
   async playcanvas({ url, kind, name }) {
@@ -144,8 +146,11 @@ async function show(viewer, file) {
   shown.draw(shotsOf(viewer)[0]);
   await pause(1500);  // shaders and textures are made
   for (const shot of shotsOf(viewer)) {
-    shown.draw(shot);
-    await pause(400);  // splats are sorted meanwhile
+    const late = performance.now() + LONGEST_SORT_MS;
+    do {
+      shown.draw(shot);
+      await pause(400);  // splats are sorted meanwhile
+    } while (shown.isSorting?.() && performance.now() < late);
     await post(`/picture/${file.label}-${shot.name}.rgba`, pixelsOf(shown.draw(shot)));
   }
   shown.end();
