@@ -6,8 +6,10 @@
 #include "apps/shared/pictures.h"
 #include "reconstruction/output/package/export_clip.h"
 #include "reconstruction/output/package/export_mesh.h"
+#include "reconstruction/output/package/mesh_atlas.h"
 #include "reconstruction/output/package/posed_splats.h"
 #include "reconstruction/run/progress.h"
+#include "sdk/core/numbers.h"
 
 namespace dpl {
 namespace {
@@ -39,11 +41,36 @@ int exportClip(const ExportOptions& options) {
     return kExitOk;
 }
 
+CLI::Validator isTextureSize() {
+    return CLI::Validator(
+        [](const std::string& text) {
+            uint32_t side = 0;
+            if (readNumber(text, side) && isTexturePx(side)) return std::string();
+            return formatText("'{}' is no power of two from {} to {}", text, kLeastTexturePx, kMostTexturePx);
+        },
+        "POWER OF TWO");
+}
+
+int exportTheMesh(const ExportOptions& options, MeshExportOptions mesh) {
+    mesh.avatar = options.avatar, mesh.out = options.out, mesh.clip = options.clip, mesh.animation = options.animation;
+    mesh.threadCount = options.threadCount;
+    Progress progress;
+    progress.beginStage("export");
+    ShownTask task(progress);
+    const TaskScope scope(&task);
+    auto line = exportMesh(mesh);
+    if (!line) return reportError(line.error());
+    progress.endStage("done");
+    std::printf("%s\n", line->c_str());
+    return kExitOk;
+}
+
 }  // namespace
 
 void addExportCommand(CLI::App& app, CommandRun& run) {
     auto options = std::make_shared<ExportOptions>();
     auto mesh = std::make_shared<bool>(false);
+    auto meshOptions = std::make_shared<MeshExportOptions>();
     CLI::App* command = app.add_subcommand(
         "export", "Write one posed frame as general splats for other viewers, or the skinned mesh, or convert general splats");
     command
@@ -81,13 +108,27 @@ void addExportCommand(CLI::App& app, CommandRun& run) {
         ->needs("--fps");
     command->add_option("--threads", options->threadCount, "CPU threads; 0: one for each core. The result is the same for any number")
         ->check(isWholeNumber(256));
+    auto* withMesh = command->add_flag("--mesh", *mesh,
+                                       "Write the skinned mesh without splats: texture, normals, skeleton and animations, for any glTF "
+                                       "viewer; with --clip that clip alone");
+    for (const char* other : {"--axes", "--input-axes", "--spz-version", "--time", "--fps"}) withMesh->excludes(other);
     command
-        ->add_flag("--mesh", *mesh,
-                   "Write the mesh without splats, with normals, vertex colours, skeleton and the avatar's clips, for any glTF viewer")
-        ->excludes("--clip")
-        ->excludes("--axes")
-        ->excludes("--input-axes")
-        ->excludes("--spz-version");
+        ->add_option(
+            "--texture-size", meshOptions->texturePx,
+            formatText("With --mesh: side of the texture in pixels, a power of two from {} to {}", kLeastTexturePx, kMostTexturePx))
+        ->needs("--mesh")
+        ->check(isTextureSize())
+        ->capture_default_str();
+    command->add_option("--texture-format", meshOptions->textureFormat, "With --mesh: png, or jpg, which is smaller")
+        ->needs("--mesh")
+        ->check(CLI::IsMember({"png", "jpg"}))
+        ->capture_default_str();
+    command
+        ->add_option("--compress", meshOptions->compression,
+                     "With --mesh: draco makes the geometry a quarter, for viewers that know KHR_draco_mesh_compression; none: for all")
+        ->needs("--mesh")
+        ->check(CLI::IsMember({"none", "draco"}))
+        ->capture_default_str();
     command->footer(
         "Examples:\n"
         "  doppel export ada/avatar.glb -o ada-splats.glb\n"
@@ -97,16 +138,13 @@ void addExportCommand(CLI::App& app, CommandRun& run) {
         "  doppel export guitar.spz -o guitar.ply\n"
         "  doppel export guitar.ply -o guitar.spz --input-axes y-down\n"
         "The mesh is unlit (KHR_materials_unlit): its colours contain the light of the scan, and viewers show them as photographed.");
-    command->callback([options, mesh, &run] {
+    command->callback([options, mesh, meshOptions, &run] {
         if (options->fps > 0 && options->format.empty()) options->format = "spz";
         refuseInputAsOutput(options->out, {options->avatar, options->clip});
         if (const std::string wrong = *mesh ? "" : wrongExport(*options); !wrong.empty()) throw CLI::ValidationError("--out", wrong);
-        run = [options, mesh] {
-            if (!*mesh) return options->fps > 0 ? exportClip(*options) : exportOneFrame(*options);
-            auto line = exportMesh(options->avatar, options->out);
-            if (!line) return reportError(line.error());
-            std::printf("%s\n", line->c_str());
-            return int(kExitOk);
+        run = [options, mesh, meshOptions] {
+            if (*mesh) return exportTheMesh(*options, *meshOptions);
+            return options->fps > 0 ? exportClip(*options) : exportOneFrame(*options);
         };
     });
 }

@@ -8,7 +8,8 @@
 
 namespace dpl {
 
-Result<std::vector<uint8_t>> writeGltfMesh(const AvatarData& avatar, std::span<const Vec3f> normals) try {
+Result<std::vector<uint8_t>> writeGltfMesh(const AvatarData& avatar, std::span<const Vec3f> normals, const MeshTexture& texture,
+                                           bool draco) try {
     constexpr float kUnitError = 1e-4f;  // of a length; a normal in floats has 1e-7
     DPL_RETURN_IF_ERROR(checkAvatarWithoutSplats(avatar));
     if (avatar.mesh.layers.empty()) return fail(Code::InvalidArgument, "the avatar has no mesh to write");
@@ -16,12 +17,17 @@ Result<std::vector<uint8_t>> writeGltfMesh(const AvatarData& avatar, std::span<c
         return fail(Code::InvalidArgument, "{} normals for {} vertices", normals.size(), avatar.mesh.restPositions.size());
     for (size_t v = 0; v < normals.size(); ++v)
         if (!(std::abs(glm::length(normals[v]) - 1) < kUnitError)) return fail(Code::InvalidArgument, "normal {} is not of unit length", v);
+    if (texture.uv.size() != avatar.mesh.restPositions.size())
+        return fail(Code::InvalidArgument, "{} texture coordinates for {} vertices", texture.uv.size(), avatar.mesh.restPositions.size());
+    for (size_t v = 0; v < texture.uv.size(); ++v)
+        if (const Vec2f& at = texture.uv[v]; !(at.x >= 0 && at.x <= 1 && at.y >= 0 && at.y <= 1))
+            return fail(Code::InvalidArgument, "texture coordinate {} is not from 0 to 1", v);
     AvatarData snapped = avatar;
     snapAvatar(snapped);
     GlbBuilder glb;
     glb.root["asset"] = {{"version", "2.0"}, {"generator", "Doppel"}};
     glb.root["extensionsUsed"] = Json::array();
-    DPL_RETURN_IF_ERROR(addLayers(glb, snapped, {.draco = false, .normals = normals}));
+    DPL_RETURN_IF_ERROR(addLayers(glb, snapped, {.draco = draco, .normals = normals, .texture = texture}));
     addSkeletonAndClips(glb, snapped);
     DPL_RETURN_IF_ERROR(checkGlbSize(glb));
     return glb.finish([](std::string&, std::span<const uint8_t>) {});

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Writes the skinned mesh of an avatar as a plain glTF binary: for viewers, editors and engines that know neither splats nor Draco.
+// Writes the skinned mesh of an avatar as a plain glTF binary: for viewers, editors and engines that know no splats.
 #pragma once
 
 #include <cstdint>
@@ -11,10 +11,19 @@
 
 namespace dpl {
 
-/** A mesh for each layer at rest, with normals and vertex colours, skinned to the joints; clips are animations. No splats, no pose
- *  correctives. The material is unlit, because the colours contain the light of the scan: viewers show them as they were photographed.
- *  `normals`: one per vertex, unit length, of the mesh at rest. Deterministic. InvalidArgument: an avatar without a mesh, normals that are
- *  not of its vertices or not unit, or as checkAvatarWithoutSplats(). Any thread. */
-Result<std::vector<uint8_t>> writeGltfMesh(const AvatarData& avatar, std::span<const Vec3f> normals);
+/** The colour texture of a mesh, borrowed. */
+struct MeshTexture {
+    std::span<const Vec2f> uv;       // one per vertex, 0 to 1, v down
+    std::span<const uint8_t> image;  // a PNG or JPEG file, sRGB
+    bool jpeg = false;
+};
+
+/** A mesh for each layer at rest, with normals and a texture, skinned to the joints; clips are animations. No splats, no pose correctives,
+ *  no vertex colours. The material is unlit, because the colours contain the light of the scan: viewers show them as they were
+ *  photographed. `normals`: one per vertex, unit length, of the mesh at rest. draco: with KHR_draco_mesh_compression, which a viewer must
+ *  know. Deterministic. InvalidArgument: an avatar without a mesh, normals that are not of its vertices or not unit, texture coordinates
+ *  that are not of its vertices or not from 0 to 1, or as checkAvatarWithoutSplats(). Any thread. */
+Result<std::vector<uint8_t>> writeGltfMesh(const AvatarData& avatar, std::span<const Vec3f> normals, const MeshTexture& texture,
+                                           bool draco = false);
 
 }  // namespace dpl
