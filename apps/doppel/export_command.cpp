@@ -135,6 +135,7 @@ void addExportCommand(CLI::App& app, CommandRun& run) {
         "  doppel export ada/avatar.glb -o stride.glb --clip 02_01.bvh --time 0.8\n"
         "  doppel export ada/avatar.glb -o walk --clip 02_01.bvh --fps 30           (walk/00000.spz, walk/00001.spz ...)\n"
         "  doppel export ada/avatar.glb --mesh -o ada-mesh.glb\n"
+        "  doppel export ada/avatar.glb --mesh -o ada-walk.glb --clip 02_01.bvh --texture-format jpg\n"
         "  doppel export guitar.spz -o guitar.ply\n"
         "  doppel export guitar.ply -o guitar.spz --input-axes y-down\n"
         "The mesh is unlit (KHR_materials_unlit): its colours contain the light of the scan, and viewers show them as photographed.");

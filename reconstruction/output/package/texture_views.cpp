@@ -24,7 +24,8 @@ struct Ring {
 constexpr Ring kBodyRings[] = {{-1.1, 4, 0.01f}, {-0.5, 12, 0.03f}, {0.05, 12, 1}, {0.5, 12, 0.03f}, {1.1, 6, 0.01f}};
 constexpr Ring kHeadRings[] = {{-0.5, 8, 0.03f}, {0.05, 12, 1}, {0.6, 8, 0.03f}, {1.2, 4, 0.01f}};
 constexpr Ring kHandRings[] = {{-1.2, 4, 1}, {-0.5, 8, 1}, {0.2, 8, 1}, {0.9, 6, 1}};
-constexpr double kDistance = 3;  // of the eye, in half diagonals of what it looks at
+constexpr double kLeastDistanceM = 0.5;  // well beyond where splats fade in
+constexpr double kDistance = 3;          // of the eye, in half diagonals of what it looks at
 
 /** The camera of the ring, cut to `points`, whose pixels have pixelM at the middle. */
 Cameraf fittedCamera(std::span<const Vec3f> points, const Vec3d& middle, double distanceM, double azimuthRad, double elevationRad,
@@ -49,7 +50,7 @@ void addRings(std::span<const Vec3f> points, std::span<const Ring> rings, double
     Vec3f low = points.front(), high = low;
     for (const Vec3f& p : points) low = glm::min(low, p), high = glm::max(high, p);
     const Vec3d middle = 0.5 * (Vec3d(low) + Vec3d(high));
-    const double distanceM = std::max(kDistance * 0.5 * double(glm::length(high - low)), 1e-3);
+    const double distanceM = std::max(kDistance * 0.5 * double(glm::length(high - low)), kLeastDistanceM);
     for (const Ring& ring : rings)
         for (uint32_t side = 0; side < ring.sides; ++side)
             views.push_back({fittedCamera(points, middle, distanceM, 2 * std::numbers::pi * side / ring.sides, ring.elevationRad, pixelM),
