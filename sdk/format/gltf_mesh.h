@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Writes the skinned mesh of an avatar as a plain glTF binary: for viewers, editors and engines that know neither splats nor Draco.
+// Writes the skinned mesh of an avatar as a plain glTF binary: textured, for viewers, editors and engines that know no splats, or with its
+// splats, for engines that pose splats themselves.
 #pragma once
 
 #include <cstdint>
@@ -11,14 +12,23 @@
 
 namespace dpl {
 
-struct GltfMeshOptions {
-    bool skinnedSplats = false;  // the avatar's splats too, as DPL_skinned_gaussian_splatting (docs/formats/skinned-splats.md)
+/** The colour texture of a mesh, borrowed. */
+struct MeshTexture {
+    std::span<const Vec2f> uv;       // one per vertex, 0 to 1, v down
+    std::span<const uint8_t> image;  // a PNG or JPEG file, sRGB
+    bool jpeg = false;
 };
 
-/** A mesh for each layer at rest, with normals and vertex colours, skinned to the joints; clips are animations. No pose correctives and no
- *  light of the scene. The material is unlit, because the colours contain the light of the scan: viewers show them as they were
- * photographed. `normals`: one per vertex, unit length, of the mesh at rest. Deterministic. InvalidArgument: an avatar without a mesh,
- * normals that are not of its vertices or not unit, or as checkAvatarWithoutSplats() and with splats checkAvatar(). Any thread. */
-Result<std::vector<uint8_t>> writeGltfMesh(const AvatarData& avatar, std::span<const Vec3f> normals, const GltfMeshOptions& options = {});
+/** A mesh for each layer at rest, with normals and a texture, skinned to the joints; clips are animations. No splats, no pose correctives,
+ *  no vertex colours. The material is unlit, because the colours contain the light of the scan: viewers show them as they were
+ *  photographed. `normals`: one per vertex, unit length, of the mesh at rest. draco: with KHR_draco_mesh_compression, which a viewer must
+ *  know. Deterministic. InvalidArgument: an avatar without a mesh, normals that are not of its vertices or not unit, texture coordinates
+ *  that are not of its vertices or not from 0 to 1, or as checkAvatarWithoutSplats(). Any thread. */
+Result<std::vector<uint8_t>> writeGltfMesh(const AvatarData& avatar, std::span<const Vec3f> normals, const MeshTexture& texture,
+                                           bool draco = false);
+
+/** The same with vertex colours instead of a texture, without Draco, and with the splats of the layers as
+ *  DPL_skinned_gaussian_splatting (docs/formats/skinned-splats.md). InvalidArgument: also an avatar without splats, or as checkAvatar(). */
+Result<std::vector<uint8_t>> writeGltfSkinnedSplats(const AvatarData& avatar, std::span<const Vec3f> normals);
 
 }  // namespace dpl

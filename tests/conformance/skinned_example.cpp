@@ -164,8 +164,7 @@ Status writeNumbers(const doppel::Avatar& avatar, const View& view, const fs::pa
 Status writeSkinnedExample(const fs::path& folder) {
     DPL_TRY(const auto file, writeAvatar(makeSleeve()));
     DPL_TRY(const AvatarData sleeve, readAvatar(file));
-    DPL_TRY(const auto glb,
-            writeGltfMesh(sleeve, vertexNormals(sleeve.mesh.restPositions, sleeve.mesh.triangles), {.skinnedSplats = true}));
+    DPL_TRY(const auto glb, writeGltfSkinnedSplats(sleeve, vertexNormals(sleeve.mesh.restPositions, sleeve.mesh.triangles)));
     DPL_RETURN_IF_ERROR(writeFileAtomically(folder / "example.glb", glb));
 
     auto context = doppel::Context::create(DPL_RENDERER_SOFTWARE);
