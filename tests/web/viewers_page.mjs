@@ -147,10 +147,9 @@ async function show(viewer, file) {
   await pause(1500);  // shaders and textures are made
   for (const shot of shotsOf(viewer)) {
     const late = performance.now() + LONGEST_SORT_MS;
-    do {
-      shown.draw(shot);
-      await pause(400);  // splats are sorted meanwhile
-    } while (shown.isSorting?.() && performance.now() < late);
+    shown.draw(shot);
+    do await pause(400);  // splats are sorted meanwhile
+    while (shown.isSorting?.() && performance.now() < late);
     await post(`/picture/${file.label}-${shot.name}.rgba`, pixelsOf(shown.draw(shot)));
   }
   shown.end();
