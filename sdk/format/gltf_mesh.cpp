@@ -5,11 +5,12 @@
 
 #include "sdk/format/avatar_check.h"
 #include "sdk/format/skinned_mesh_write.h"
+#include "sdk/format/vrm_write.h"
 
 namespace dpl {
 
-Result<std::vector<uint8_t>> writeGltfMesh(const AvatarData& avatar, std::span<const Vec3f> normals, const MeshTexture& texture,
-                                           bool draco) try {
+Result<std::vector<uint8_t>> writeGltfMesh(const AvatarData& avatar, std::span<const Vec3f> normals, const MeshTexture& texture, bool draco,
+                                           const VrmAbout* vrm) try {
     constexpr float kUnitError = 1e-4f;  // of a length; a normal in floats has 1e-7
     DPL_RETURN_IF_ERROR(checkAvatarWithoutSplats(avatar));
     if (avatar.mesh.layers.empty()) return fail(Code::InvalidArgument, "the avatar has no mesh to write");
@@ -29,6 +30,7 @@ Result<std::vector<uint8_t>> writeGltfMesh(const AvatarData& avatar, std::span<c
     glb.root["extensionsUsed"] = Json::array();
     DPL_RETURN_IF_ERROR(addLayers(glb, snapped, {.draco = draco, .normals = normals, .texture = texture}));
     addSkeletonAndClips(glb, snapped);
+    if (vrm) DPL_RETURN_IF_ERROR(addVrm(glb, snapped, *vrm));
     DPL_RETURN_IF_ERROR(checkGlbSize(glb));
     return glb.finish([](std::string&, std::span<const uint8_t>) {});
 } catch (const std::bad_alloc&) {
