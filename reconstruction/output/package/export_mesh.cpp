@@ -114,8 +114,8 @@ Result<std::string> exportMesh(const MeshExportOptions& options) {
     const TaskPart write(kBakeEnd, 1);
     DPL_RETURN_IF_ERROR(taskAt(0, "writing"));
     const bool jpeg = options.textureFormat == "jpg";
-    auto image = jpeg ? encodeJpeg(texture->rgb, atlas->sidePx, atlas->sidePx, 3, kJpegQuality)
-                      : encodePng(texture->rgb, atlas->sidePx, atlas->sidePx, 3);
+    auto image =
+        jpeg ? encodeJpeg(*texture, atlas->sidePx, atlas->sidePx, 3, kJpegQuality) : encodePng(*texture, atlas->sidePx, atlas->sidePx, 3);
     if (!image) return inFile(image.error());
     data.mesh.restPositions = positions;
     if (vrm) restInTPose(data, jobs);
