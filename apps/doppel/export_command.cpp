@@ -52,14 +52,12 @@ CLI::Validator isTextureSize() {
         "POWER OF TWO");
 }
 
-int exportTheMesh(const ExportOptions& options, MeshExportOptions mesh) {
-    mesh.avatar = options.avatar, mesh.out = options.out, mesh.clip = options.clip, mesh.animation = options.animation;
-    mesh.threadCount = options.threadCount;
+int exportTheMesh(const MeshExportOptions& options) {
     Progress progress;
     progress.beginStage("export");
     ShownTask task(progress);
     const TaskScope scope(&task);
-    auto line = exportMesh(mesh);
+    auto line = exportMesh(options);
     if (!line) return reportError(line.error());
     progress.endStage("done");
     std::printf("%s\n", line->c_str());
@@ -93,7 +91,7 @@ void addExportCommand(CLI::App& app, CommandRun& run) {
                      "layout); with "
                      "--fps a folder")
         ->required()
-        ->check(isOutputFile({".glb", ".spz", ".ply"}, /*orFolder=*/true));
+        ->check(isOutputFile({".glb", ".spz", ".ply", ".vrm"}, /*orFolder=*/true));
     command->add_option("--input-axes", options->inputAxes, "The up axis of general splats, instead of the one that they state")
         ->check(CLI::IsMember(kAxesNames));
     command
@@ -144,6 +142,17 @@ void addExportCommand(CLI::App& app, CommandRun& run) {
         ->needs("--mesh")
         ->check(CLI::IsMember({"none", "draco"}))
         ->capture_default_str();
+    auto author = std::make_shared<std::string>();
+    auto vrm = std::make_shared<bool>(false);
+    auto* asVrm =
+        command
+            ->add_flag("--vrm", *vrm,
+                       "With --mesh: VRM 1.0 for programs that animate persons: T-pose, humanoid bones, the strictest permissions; no "
+                       "clips and no expressions")
+            ->needs("--mesh")
+            ->excludes("--clip")
+            ->excludes("--compress");
+    asVrm->needs(command->add_option("--author", *author, "With --vrm: who made the avatar and alone may use it")->needs("--vrm"));
     command->footer(
         "Examples:\n"
         "  doppel export ada/avatar.glb -o ada-splats.glb\n"
@@ -152,16 +161,21 @@ void addExportCommand(CLI::App& app, CommandRun& run) {
         "  doppel export ada/avatar.glb --mesh -o ada-mesh.glb\n"
         "  doppel export ada/avatar.glb --mesh -o ada-walk.glb --clip 02_01.bvh --texture-format jpg\n"
         "  doppel export ada/avatar.glb --skinned-splats -o ada-skinned.glb\n"
+        "  doppel export ada/avatar.glb --mesh --vrm --author \"Ada Byron\" -o ada.vrm\n"
         "  doppel export guitar.spz -o guitar.ply\n"
         "  doppel export guitar.ply -o guitar.spz --input-axes y-down\n"
         "The mesh is unlit (KHR_materials_unlit): its colours contain the light of the scan, and viewers show them as photographed.");
-    command->callback([options, mesh, skinnedSplats, meshOptions, &run] {
+    command->callback([options, mesh, skinnedSplats, meshOptions, vrm, author, &run] {
         if (options->fps > 0 && options->format.empty()) options->format = "spz";
         refuseInputAsOutput(options->out, {options->avatar, options->clip});
-        const std::string wrong = *mesh || *skinnedSplats ? "" : wrongExport(*options);
+        if (*vrm) meshOptions->vrmAuthor = *author;
+        meshOptions->avatar = options->avatar, meshOptions->out = options->out;
+        meshOptions->clip = options->clip, meshOptions->animation = options->animation;
+        meshOptions->threadCount = options->threadCount;
+        const std::string wrong = *mesh ? wrongMeshExport(*meshOptions) : *skinnedSplats ? "" : wrongExport(*options);
         if (!wrong.empty()) throw CLI::ValidationError("--out", wrong);
         run = [options, mesh, skinnedSplats, meshOptions] {
-            if (*mesh) return exportTheMesh(*options, *meshOptions);
+            if (*mesh) return exportTheMesh(*meshOptions);
             if (*skinnedSplats) return exportSplatsOnMesh(*options);
             return options->fps > 0 ? exportClip(*options) : exportOneFrame(*options);
         };

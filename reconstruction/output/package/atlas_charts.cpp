@@ -4,10 +4,14 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <numbers>
+#include <numeric>
 #include <queue>
+#include <tuple>
 #include <unordered_map>
+#include <utility>
 
 #include "reconstruction/subject/shape/edge_uses.h"
 
@@ -112,7 +116,8 @@ private:
                     open.push({area_[n] > 0 ? 1 - glm::dot(normal_[n], axis) : 0, n});
         }
         AtlasChart chart;
-        layPlane(meanNormal(taken), chart);
+        const Vec3f mean = meanNormal(taken);
+        layPlane(flat(seed, mean, kKeepCosine) ? mean : normal_[seed], chart);
         const std::vector<uint32_t> kept = keepable(chart, taken, seed);
         for (const uint32_t t : taken) chart_[t] = kNone;
         for (const uint32_t t : kept) chart_[t] = number;

@@ -8,10 +8,12 @@
 #include "reconstruction/output/package/avatar_bytes.h"
 #include "reconstruction/output/package/exported_motion.h"
 #include "reconstruction/output/package/mesh_atlas.h"
+#include "reconstruction/output/package/t_pose.h"
 #include "reconstruction/output/package/texture_bake.h"
 #include "reconstruction/output/package/texture_views.h"
 #include "reconstruction/subject/shape/implicit_mesh.h"
 #include "sdk/avatar/cloth_bounds.h"
+#include "sdk/avatar/humanoid.h"
 #include "sdk/avatar/posed_mesh.h"
 #include "sdk/core/files.h"
 #include "sdk/core/task.h"
@@ -62,13 +64,26 @@ std::vector<AtlasKind> kindsOf(const AvatarData& avatar, std::span<const Vec3f> 
 
 }  // namespace
 
+std::string wrongMeshExport(const MeshExportOptions& options) {
+    const std::string out = options.out.string();
+    if (!options.vrmAuthor) return options.out.extension() == ".glb" ? "" : formatText("-o {}: with --mesh the file must end in .glb", out);
+    if (options.out.extension() != ".vrm") return formatText("-o {}: with --vrm the file must end in .vrm", out);
+    if (options.vrmAuthor->empty()) return "a VRM names its author; give --author";
+    if (!options.clip.empty()) return "--clip does not go with --vrm: programs that take a VRM bring their own motion";
+    return options.compression == "none" ? "" : "--compress does not go with --vrm: programs that take a VRM may not know Draco";
+}
+
 Result<std::string> exportMesh(const MeshExportOptions& options) {
-    if (options.out.extension() != ".glb")
-        return fail(Code::InvalidArgument, "-o {}: with --mesh the file must end in .glb", options.out.string());
+    if (const std::string wrong = wrongMeshExport(options); !wrong.empty()) return fail(Code::InvalidArgument, "{}", wrong);
     DPL_TRY(const auto bytes, readAvatarBytes(options.avatar));
     DPL_TRY(AvatarData data, avatarOf(options.avatar, bytes, "mesh"));
     const auto inFile = [&](const Error& error) { return fail(error.code, "{}: {}", options.avatar.string(), error.message); };
     if (data.splats.count() == 0) return inFile({Code::InvalidArgument, "the avatar has no splats to take a texture from"});
+    const std::optional<VrmAbout> vrm = options.vrmAuthor ? std::optional(VrmAbout{*options.vrmAuthor}) : std::nullopt;
+    if (vrm) {
+        assignHumanoidBones(data.joints);
+        if (const Status demanded = checkVrmBones(data.joints); !demanded) return inFile(demanded.error());
+    }
     boundGarments(data.joints, data.mesh);  // as renderers load it
     if (!options.clip.empty()) {
         ExportedMotion motion(data);
@@ -99,17 +114,18 @@ Result<std::string> exportMesh(const MeshExportOptions& options) {
     const TaskPart write(kBakeEnd, 1);
     DPL_RETURN_IF_ERROR(taskAt(0, "writing"));
     const bool jpeg = options.textureFormat == "jpg";
-    auto image = jpeg ? encodeJpeg(texture->rgb, atlas->sidePx, atlas->sidePx, 3, kJpegQuality)
-                      : encodePng(texture->rgb, atlas->sidePx, atlas->sidePx, 3);
+    auto image =
+        jpeg ? encodeJpeg(*texture, atlas->sidePx, atlas->sidePx, 3, kJpegQuality) : encodePng(*texture, atlas->sidePx, atlas->sidePx, 3);
     if (!image) return inFile(image.error());
-    const std::vector<Vec3f> restNormals = vertexNormals(positions, data.mesh.triangles);
     data.mesh.restPositions = positions;
+    if (vrm) restInTPose(data, jobs);
+    const std::vector<Vec3f> restNormals = vertexNormals(data.mesh.restPositions, data.mesh.triangles);
     SeamedMesh seamed = splitAtSeams(data.mesh, *atlas);
     AvatarData out;
     out.name = data.name, out.joints = std::move(data.joints), out.clips = std::move(data.clips), out.mesh = std::move(seamed.mesh);
     std::vector<Vec3f> normals;
     for (const uint32_t v : seamed.old) normals.push_back(restNormals[v]);
-    auto file = writeGltfMesh(out, normals, {seamed.uv, *image, jpeg}, options.compression == "draco");
+    auto file = writeGltfMesh(out, normals, {seamed.uv, *image, jpeg}, options.compression == "draco", vrm ? &*vrm : nullptr);
     if (!file) return inFile(file.error());
     DPL_RETURN_IF_ERROR(writeFileAtomically(options.out, *file));
     return formatText(

@@ -36,9 +36,8 @@ struct MeshAtlas {
     std::vector<std::array<Vec2f, 3>> corners;  // of each triangle, texels
 };
 
-/** Lays out a mesh. sidePx: isTexturePx(). kind: one a triangle. Deterministic. InvalidArgument: another
- *  size, no triangles, a surface without area; Unsupported: so many charts that they do not fit at any scale, with a sentence that
- *  names the remedy. */
+/** Lays out a mesh. sidePx: isTexturePx(). kind: one a triangle. Deterministic. InvalidArgument: another size, no triangles, a surface
+ *  without area. Unsupported: so many charts that they do not fit at any scale; the sentence names the remedy. */
 Result<MeshAtlas> layOutAtlas(std::span<const Vec3f> positions, std::span<const Triangle> triangles, std::span<const AtlasKind> kind,
                               uint32_t sidePx);
 

@@ -148,9 +148,7 @@ public:
         });
     }
 
-    BakedTexture finish() const {
-        BakedTexture out;
-        out.texels = texels_.all.size();
+    std::vector<uint8_t> finish() const {
         TextureFill fill(atlas_.sidePx);
         std::vector<Vec4f> ofVertex(positions_.size(), Vec4f(0));
         forTexels([&](const Triangle& corners, const Vec3f& share, const Texel& texel, const Vec4f& sum) {
@@ -162,11 +160,9 @@ public:
         const std::vector<Vec3f> around = spreadColours(ofVertex, mesh_);
         forTexels([&](const Triangle& corners, const Vec3f& share, const Texel& texel, const Vec4f& sum) {
             if (sum.w > 0) return;
-            ++out.unseen;
             fill.set(texel.pixel, share.x * around[corners.x] + share.y * around[corners.y] + share.z * around[corners.z]);
         });
-        out.rgb = fill.finish(2 * atlas_.gutterPx);
-        return out;
+        return fill.finish(2 * atlas_.gutterPx);
     }
 
 private:
@@ -220,8 +216,8 @@ private:
 
 }  // namespace
 
-Result<BakedTexture> bakeTexture(const AvatarData& avatar, std::span<const Vec3f> positions, const MeshAtlas& atlas,
-                                 std::span<const TextureView> views, Jobs& jobs) try {
+Result<std::vector<uint8_t>> bakeTexture(const AvatarData& avatar, std::span<const Vec3f> positions, const MeshAtlas& atlas,
+                                         std::span<const TextureView> views, Jobs& jobs) try {
     TextureBake bake(avatar.mesh, positions, atlas, jobs);
     const ClothClearance clearance(avatar.joints, avatar.mesh, avatar.correctives);
     AvatarDrawer drawer(avatar, jobs, &clearance);

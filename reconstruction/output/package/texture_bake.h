@@ -15,19 +15,15 @@
 
 namespace dpl {
 
-struct BakedTexture {
-    std::vector<uint8_t> rgb;  // sidePx² · 3, sRGB, top row first; what no chart covers continues the nearest one
-    size_t texels = 0;         // that charts cover
-    size_t unseen = 0;         // of them: no camera sees them, and they continue the surface around them
-};
-
-/** Draws the avatar at rest from every camera, and gives each texel of the atlas the mean colour of the pictures that see it. Those
- *  that look straight at it weigh most. A picture sees a texel that faces it and is not hidden; texels beside the outline of something
- *  well before them, where its splats reach over them, take that picture only if there is no other. positions: V, metres, of the avatar at
- * rest as it is drawn; the atlas is of its triangles. The result does not depend on the number of threads. taskAt hears each camera.
- * Memory: about 50 bytes a texel. */
-Result<BakedTexture> bakeTexture(const AvatarData& avatar, std::span<const Vec3f> positions, const MeshAtlas& atlas,
-                                 std::span<const TextureView> views, Jobs& jobs);
+/** Draws the avatar at rest from every camera, and gives each texel of the atlas the mean colour of the pictures that see it. Those that
+ *  look straight at it weigh most. A picture sees a texel that faces it and is not hidden; texels beside the outline of something well
+ *  before them, where its splats reach over them, take that picture only if there is no other. Texels that no picture sees continue the
+ *  surface around them, and what no chart covers the nearest chart.
+ *  positions: V, metres, of the avatar at rest as it is drawn; the atlas is of its triangles. Returns sidePx² · 3 bytes, sRGB, top row
+ *  first, which do not depend on the number of threads. taskAt hears each camera. Memory: about 50 bytes a texel. OutOfMemory: there is
+ *  less. */
+Result<std::vector<uint8_t>> bakeTexture(const AvatarData& avatar, std::span<const Vec3f> positions, const MeshAtlas& atlas,
+                                         std::span<const TextureView> views, Jobs& jobs);
 
 /** Which triangles a camera sees, or whose neighbours one sees: the rest lies under clothes. */
 std::vector<bool> seenTriangles(std::span<const Vec3f> positions, std::span<const Triangle> triangles, std::span<const TextureView> views);

@@ -61,6 +61,12 @@ for option in "--texture-size 512" "--texture-format jpg" "--compress draco"; do
     # shellcheck disable=SC2086
     refuses "${option%% *} requires --mesh" export a.glb -o m.glb $option
 done
+refuses "--vrm requires --mesh" export a.glb -o m.vrm --vrm --author Ada
+refuses "--vrm requires --author" export a.glb -o m.vrm --mesh --vrm
+refuses "--author requires --vrm" export a.glb -o m.glb --mesh --author Ada
+refuses "--author: 1 required TEXT missing" export a.glb -o m.vrm --mesh --vrm --author=
+refuses "with --vrm the file must end in .vrm" export a.glb -o m.glb --mesh --vrm --author Ada
+refuses "with --mesh the file must end in .glb" export a.glb -o m.vrm --mesh
 for side in 0 128 1000 16384 2k -1; do
     refuses "'$side' is no power of two from 256 to 8192" export a.glb -o m.glb --mesh --texture-size=$side
 done
