@@ -7,6 +7,7 @@
 #include "reconstruction/run/cameras_file.h"
 #include "reconstruction/run/import_scan.h"
 #include "reconstruction/run/output_claim.h"
+#include "reconstruction/run/run_news.h"
 #include "reconstruction/run/run_request.h"
 #include "reconstruction/run/run_scan.h"
 #include "reconstruction/run/stage_body_fit.h"
@@ -63,17 +64,12 @@ Status writeCameras(const FrameTable& table, const std::filesystem::path& path) 
     return {};
 }
 
-/** Locks the output folder, gives `work` a run with the request, and returns what it returns. */
+/** Gives `work` a run with the request, and returns what it returns. */
 template <class T>
-Result<T> withRun(const ReconstructOptions& options, Progress& progress, const std::function<Result<T>(Run&)>& work) {
-    std::error_code error;
-    std::filesystem::create_directories(options.out, error);
-    if (error) return fail(Code::Io, "cannot create {}: {}; choose another output with -o", options.out.string(), error.message());
-    DPL_TRY([[maybe_unused]] const FolderLock lock, FolderLock::take(options.out));
+Result<T> withRequest(const ReconstructOptions& options, Progress& progress, const std::function<Result<T>(Run&)>& work) {
     Jobs jobs(options.threadCount);
     StageChain chain(options.out, progress);
     Run run(chain, jobs, progress);
-    DPL_RETURN_IF_ERROR(checkOutputIsFree(options));
     const auto scan = scanToReconstruct(options, progress);
     if (!scan) return refuse(options.out, {"import"}, scan.error());
     run.put(RunRequest{*scan, options}, "request");
@@ -81,6 +77,23 @@ Result<T> withRun(const ReconstructOptions& options, Progress& progress, const s
     DPL_RETURN_IF_ERROR(claimOutput(options, read->scan, read->hashes));
     DPL_RETURN_IF_ERROR(checkTruth(read->scan));
     return work(run);
+}
+
+/** Locks the output folder, tells who watches it, and returns what `work` returns. */
+template <class T>
+Result<T> withRun(const ReconstructOptions& options, Progress& progress, const std::function<Result<T>(Run&)>& work) {
+    std::error_code error;
+    std::filesystem::create_directories(options.out, error);
+    if (error) return fail(Code::Io, "cannot create {}: {}; choose another output with -o", options.out.string(), error.message());
+    DPL_TRY([[maybe_unused]] const FolderLock lock, FolderLock::take(options.out));
+    DPL_RETURN_IF_ERROR(checkOutputIsFree(options));
+    RunNews news(options.out);
+    auto result = [&] {
+        const ToldNews told(progress, news);
+        return withRequest<T>(options, progress, work);
+    }();
+    news.ended(result ? Status() : Status(result.error()));
+    return result;
 }
 
 }  // namespace
