@@ -5,7 +5,6 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "reconstruction/base/image_codec.h"
 #include "reconstruction/run/stage_words.h"
 #include "sdk/core/evenly_spaced.h"
 #include "sdk/core/files.h"
@@ -33,10 +32,10 @@ double rounded(double value, double perUnit) {
 }
 
 /** Every n-th row and column averaged, so that at most `rows` remain. */
-ImageRgb8 smaller(const ImageRgb8& image, uint32_t rows) {
+Picture smaller(const Picture& image, uint32_t rows) {
     const uint32_t n = (image.heightPx + rows - 1) / rows;
     if (n <= 1) return image;
-    ImageRgb8 out{image.widthPx / n, image.heightPx / n, {}};
+    Picture out{image.widthPx / n, image.heightPx / n, 3, {}};
     out.pixels.resize(size_t(out.widthPx) * out.heightPx * 3);
     for (uint32_t y = 0; y < out.heightPx; ++y)
         for (uint32_t x = 0; x < out.widthPx; ++x)
@@ -100,14 +99,14 @@ void RunNews::doing(double share, std::string_view detail) {
     told_.detail = detail;
 }
 
-void RunNews::curve(const std::vector<CurvePoint>& points, uint32_t steps) {
+void RunNews::curve(const std::vector<FitPoint>& points, uint32_t steps) {
     std::lock_guard lock(mutex_);
     told_.curve = evenlySpaced(points, kMostPoints);
     told_.steps = steps;
 }
 
-void RunNews::heldBack(const std::string& frame, const ImageRgb8& picture) {
-    const ImageRgb8 shown = smaller(picture, kHeldBackPx);
+void RunNews::heldBack(const std::string& frame, const Picture& picture) {
+    const Picture shown = smaller(picture, kHeldBackPx);
     auto bytes = encodeJpeg(shown.pixels, shown.widthPx, shown.heightPx, 3, kWatchedQuality);
     if (!bytes) return;
     std::lock_guard lock(mutex_);
@@ -203,7 +202,7 @@ void RunNews::writeProgress() {
     file["seconds_left"] = leftKnown ? ordered_json(rounded(took * (1 - told.share) / done, 1)) : ordered_json();
     file["steps"] = told.steps;
     ordered_json curve = ordered_json::array();
-    for (const CurvePoint& point : told.curve) curve.push_back({point.step, rounded(point.psnr, 100), rounded(point.loss, 1e4)});
+    for (const FitPoint& point : told.curve) curve.push_back({point.step, rounded(point.psnrDb, 100), rounded(point.loss, 1e4)});
     file["curve"] = std::move(curve);
     file["held_back"] = told.heldBackFrame.empty() ? ordered_json() : ordered_json{{"frame", told.heldBackFrame}, {"picture", kHeldBack}};
     file["avatar"] =

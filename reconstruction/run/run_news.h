@@ -17,7 +17,7 @@
 #include <thread>
 #include <vector>
 
-#include "reconstruction/training/trainer/co_optimise.h"
+#include "reconstruction/base/image_codec.h"
 #include "sdk/core/result.h"
 #include "sdk/format/avatar_data.h"
 
@@ -44,9 +44,13 @@ public:
     /** share: of the stage, 0 to 1. Cheap enough for every step. */
     void doing(double share, std::string_view detail);
     /** How well the training fits its pictures so far. */
-    void curve(const std::vector<CurvePoint>& points, uint32_t steps);
-    /** A picture that training does not see; a copy of up to kHeldBackPx rows is shown. */
-    void heldBack(const std::string& frame, const ImageRgb8& picture);
+    struct FitPoint {
+        uint32_t step = 0;
+        float psnrDb = 0, loss = 0;
+    };
+    void curve(const std::vector<FitPoint>& points, uint32_t steps);
+    /** A picture that training does not see, three channels; a copy of up to kHeldBackPx rows is shown. */
+    void heldBack(const std::string& frame, const Picture& picture);
     static constexpr uint32_t kHeldBackPx = 720;
 
     /** Whether it is time for another avatar(). */
@@ -70,7 +74,7 @@ private:
         double share = 0, beganShare = 0;  // beganShare: where the stage was when it began, after a checkpoint
         Clock::time_point stageBegan{};
         bool shareKnown = false;
-        std::vector<CurvePoint> curve;
+        std::vector<FitPoint> curve;
         uint32_t steps = 0, avatarStep = 0, avatarChange = 0;
     };
     void write();

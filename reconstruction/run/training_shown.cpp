@@ -26,12 +26,17 @@ void TrainingShown::heldBack(const FrameTable& table) {
     if (rows.empty()) take(true);
     if (rows.empty()) return;
     const size_t row = rows[rows.size() / 2];
-    if (const auto picture = table.picture(row)) news_->heldBack(table.scan.frames[row].name, (*picture)->image);
+    const auto picture = table.picture(row);
+    if (!picture) return;
+    const ImageRgb8& image = (*picture)->image;
+    news_->heldBack(table.scan.frames[row].name, {image.widthPx, image.heightPx, 3, image.pixels});
 }
 
 void TrainingShown::after(const CoOptimiser& optimiser, uint32_t steps) {
     if (!news_) return;
-    news_->curve(optimiser.curve(), steps);
+    std::vector<RunNews::FitPoint> points;
+    for (const CurvePoint& point : optimiser.curve()) points.push_back({point.step, point.psnr, point.loss});
+    news_->curve(points, steps);
     if (!news_->wantsAvatar()) return;
     const auto start = std::chrono::steady_clock::now();
     CoOptimiseResult trained = optimiser.result();

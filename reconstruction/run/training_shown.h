@@ -4,6 +4,7 @@
 
 #include "reconstruction/run/frame_table.h"
 #include "reconstruction/run/run_news.h"
+#include "reconstruction/training/trainer/co_optimise.h"
 
 namespace dpl {
 

@@ -43,7 +43,7 @@ TEST_F(RunNewsTest, tellsTheStageItsShareAndItsEnd) {
         RunNews news(out_);
         news.stage("co-optimise");
         news.doing(0.25, "step 500 of 2000");
-        news.curve({{.step = 100, .loss = 0.5f, .psnr = 18.25f}, {.step = 200, .loss = NAN, .psnr = 20}}, 2000);
+        news.curve({{100, 18.25f, 0.5f}, {200, 20, NAN}}, 2000);
         ASSERT_TRUE(comesTo([](const json& now) { return now["share"] == 0.25; }));
         const json now = told();
         EXPECT_EQ(now["format"], "doppel-progress");
@@ -89,7 +89,7 @@ TEST_F(RunNewsTest, showsAnAvatarAndThenWaits) {
 
 TEST_F(RunNewsTest, showsAHeldBackPictureMadeSmall) {
     RunNews news(out_);
-    ImageRgb8 picture{901, 1500, {}};
+    Picture picture{901, 1500, 3, {}};
     picture.pixels.assign(size_t(picture.widthPx) * picture.heightPx * 3, 90);
     news.heldBack("dyn_003", picture);
     ASSERT_TRUE(comesTo([](const json& now) { return !now["held_back"].is_null(); }));
