@@ -9,17 +9,20 @@
 #include <mutex>
 #include <thread>
 
+#include "apps/viewer/run_reader.h"
 #include "platform/desktop/shell.h"
 #include "sdk/core/result.h"
 
 namespace dpl {
 
-/** What became of one file. */
+/** What became of one file, or what a watched run told. */
 struct LoadedFile {
     std::string file;                      // without folders; empty: not a file, but the context
-    std::optional<doppel::Avatar> avatar;  // a new avatar, or general splats
+    std::optional<doppel::Avatar> avatar;  // a new avatar, or general splats; of a run: in place of that of before
     DplAvatar clipOf = nullptr;            // the avatar that got a new clip
-    std::string error;                     // a sentence, if neither
+    std::optional<RunReader::News> run;    // of the run in the folder `file`, where nobody has asked for a file
+    bool asked = true;                     // it answers load() or loadSample()
+    std::string error;                     // a sentence, if none of these
 };
 
 /** The context and the composer for the shell's window. */
@@ -37,8 +40,11 @@ public:
     Loader(const Loader&) = delete;
     Loader& operator=(const Loader&) = delete;
 
-    /** A motion is loaded onto `motionOf`; if that is NULL, onto the avatar that was loaded last. */
+    /** A motion is loaded onto `motionOf`; if that is NULL, onto the avatar that was loaded last. The folder of a run is watched from then
+     *  on, in place of another one: it is looked into every second between files. */
     void load(std::string path, DplAvatar motionOf);
+    /** No run is watched any more. */
+    void stopWatching();
     /** Loads the built-in sample avatar. The program `doppel` makes it the first time, which takes seconds. */
     void loadSample();
 
@@ -59,13 +65,16 @@ private:
     Status makeContext();
     void add(Task task);
     LoadedFile loadOne(const Task& task);
+    LoadedFile lookIntoRun(bool asked);
+    Result<doppel::Avatar> loadAvatar(std::vector<uint8_t> bytes, const std::string& file);
     bool ends(const doppel::Load& load, const std::string& file);
 
     platform::Shell& shell_;
     const DplFill fill_;
     const std::string cacheFolder_;
     std::optional<doppel::Context> context_;  // written by the thread before ready_
-    DplAvatar lastAvatar_ = nullptr;          // only the thread uses it
+    DplAvatar lastAvatar_ = nullptr;          // only the thread uses it, as the next
+    std::optional<RunReader> run_;
 
     mutable std::mutex mutex_;
     std::condition_variable changed_;
@@ -73,6 +82,7 @@ private:
     std::vector<LoadedFile> done_;
     std::optional<DoppelOnShell> ready_;
     std::string atHand_ = "the renderer";
+    bool stopWatching_ = false;
     std::atomic<bool> stop_{false};
     std::thread thread_;  // last: it uses all of the above
 };

@@ -7,6 +7,7 @@
 #include <cfloat>
 
 #include "apps/shared/pictures.h"
+#include "apps/viewer/run_panel.h"
 
 namespace dpl {
 namespace {
@@ -220,14 +221,39 @@ void timings(const ViewerState& state) {
 
 }  // namespace
 
-FreeSpan freeSpan(const ViewerState& state, float width) {
+namespace {
+
+/** Between the panels. */
+FreeSpan betweenPanels(const ViewerState& state, float width) {
     constexpr float kLeft = kLeftWidth + kGap, kRight = kRightWidth + kGap;
     if (!state.panels || width < 2 * (kLeft + kRight)) return {0, width};
     return {kLeft, width - kRight};
 }
 
+}  // namespace
+
+FreeSpan heldBackSpan(const ViewerState& state, float width) {
+    constexpr float kLeastWidth = 400;  // of both
+    const FreeSpan free = betweenPanels(state, width);
+    const bool belowPanels = state.panels && free.left == 0;
+    if (!state.run || state.run->heldBack.id == 0 || belowPanels || free.right - free.left < kLeastWidth) return {};
+    return {free.left + kHeldBackMargin, 0.5f * (free.left + free.right) - kHeldBackMargin / 2};
+}
+
+FreeSpan freeSpan(const ViewerState& state, float width) {
+    const FreeSpan free = betweenPanels(state, width), heldBack = heldBackSpan(state, width);
+    return heldBack.left < heldBack.right ? FreeSpan{heldBack.right, free.right} : free;
+}
+
 void drawPanels(ViewerState& state, float width, float height) {
-    beginPanel("Avatars", kGap, kGap, kLeftWidth, height - 2 * kGap);
+    float top = kGap;
+    if (state.run) {
+        beginPanel(("Run: " + state.run->watch.name() + "###run").c_str(), kGap, top, kLeftWidth, height - 2 * kGap);
+        const FreeSpan heldBack = heldBackSpan(state, width);
+        drawRun(state, heldBack.left < heldBack.right);
+        top += endPanel() + kGap;
+    }
+    beginPanel("Avatars", kGap, top, kLeftWidth, height - top - kGap);
     subjectList(state);
     if (ViewedSubject* subject = state.chosen(); subject && subject->isAvatar()) {
         ImGui::SliderFloat("##turned", &subject->turnedDeg, -180, 180, "turned by %.0f°", ImGuiSliderFlags_AlwaysClamp);

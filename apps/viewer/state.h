@@ -8,6 +8,7 @@
 #include "apps/viewer/messages.h"
 #include "apps/viewer/orbit_camera.h"
 #include "apps/viewer/playback.h"
+#include "apps/viewer/run_watch.h"
 #include "apps/viewer/subject.h"
 #include "platform/common/room_mesh.h"
 
@@ -18,6 +19,22 @@ struct Figures {
     DplFrameStats stats{};
     std::vector<std::pair<std::string, double>> passesMs;  // rounds of a pass added up
     double framesPerSecond = 0;
+};
+
+/** A picture in the window. */
+struct ShownPicture {
+    uint32_t id = 0;  // of Shell::addPicture; 0: none
+    uint32_t widthPx = 0, heightPx = 0;
+};
+
+/** The run that is watched. */
+struct WatchedRun {
+    RunWatch watch;
+    DplAvatar avatar = nullptr;  // the subject that shows it; NULL: there is none yet
+    bool finished = false;       // that is the finished avatar
+    bool turns = true;           // slowly, until it is finished
+    ShownPicture heldBack;
+    std::string heldBackFrame;
 };
 
 struct ViewerState {
@@ -31,6 +48,8 @@ struct ViewerState {
     float magnification = 8;                      // of the scan's finest details, at most; 0: no limit
     bool keptAway = false;                        // the limit holds the camera back in this frame
     bool panels = true, help = false;
+    std::optional<WatchedRun> run;
+    double nowS = 0;  // the viewer's clock in this frame
     Messages messages;
     Figures figures;
     std::string rendererName, atHand;  // atHand: what is being loaded, or ""
@@ -42,6 +61,11 @@ struct ViewerState {
     std::optional<SeenPart> wantsPart;                 // of the selected avatar, to be seen from near
     std::optional<std::optional<uint32_t>> wantsClip;  // for the selected avatar; within: nothing is the rest pose
 
+    ViewedSubject* subjectOf(DplAvatar avatar) {
+        for (ViewedSubject& subject : subjects)
+            if (avatar && subject.avatar.handle() == avatar) return &subject;
+        return nullptr;
+    }
     ViewedSubject* chosen() { return selected < subjects.size() ? &subjects[selected] : nullptr; }
 };
 

@@ -10,6 +10,7 @@
 
 #include "apps/shared/pictures.h"
 #include "apps/viewer/room_plan.h"
+#include "apps/viewer/watched_run.h"
 #include "reconstruction/base/sdk_camera.h"
 
 namespace dpl {
@@ -87,6 +88,7 @@ void Viewer::report(const std::string& problem) {
 }
 
 Status Viewer::frame() {
+    state_.nowS = nowS();
     if (loader_) takeFiles();
     takeInput();
     fulfilWishes();
@@ -128,6 +130,8 @@ platform::FrameContents Viewer::contents() {
     what.view = sdkCamera(cameraNow().cast<float>());
     what.room = state_.room;
     if (const auto doppel = loader_ ? loader_->doppel() : std::nullopt) what.context = doppel->context, what.composer = doppel->composer;
+    const ImVec2 size = ImGui::GetIO().DisplaySize;
+    if (!turntable_ && screenshot_.empty()) what.pictures = picturesOfRun(state_, size.x, size.y, ImGui::GetIO().DisplayFramebufferScale.x);
     for (const ViewedSubject& subject : state_.subjects) {
         if (!subject.shown) continue;
         what.avatars.push_back(subject.avatar.handle());
@@ -157,9 +161,11 @@ void Viewer::takeFiles() {
             if (dplGetRendererName(doppel->context, &name) == DPL_OK) state_.rendererName = name;
         }
     for (LoadedFile& file : loader_->take()) {
-        if (!file.file.empty()) --waitingFor_;
+        if (!file.file.empty() && file.asked) --waitingFor_;
         if (!file.error.empty()) {
             report(file.error);
+        } else if (file.run) {
+            if (const Status taken = takeRunNews(state_, *shell_, std::move(file)); !taken) report(taken.error().message);
         } else if (file.avatar) {
             addSubject(std::move(*file.avatar), file.file);
             timings_.mark("first file loaded");
@@ -245,6 +251,10 @@ void Viewer::startTurntable(std::filesystem::path path) {
 
 void Viewer::fulfilWishes() {
     if (state_.wantsRemoval && *state_.wantsRemoval < state_.subjects.size()) {
+        if (state_.run && state_.subjects[*state_.wantsRemoval].avatar.handle() == state_.run->avatar) {
+            dropRun(state_, *shell_);
+            loader_->stopWatching();
+        }
         state_.subjects.erase(state_.subjects.begin() + ptrdiff_t(*state_.wantsRemoval));
         state_.wantsFrame = true;
         if (state_.selected > 0 && state_.selected >= *state_.wantsRemoval) --state_.selected;
@@ -274,6 +284,7 @@ void Viewer::advanceTime() {
         state_.playback.timeS = kScriptStepS * (turntable_ ? turntable_->done() : scriptFrame_);
     else
         state_.playback.advance(turntable_ ? kScriptStepS : passed);
+    if (!turntable_) turnRun(state_, !options_.isScript() ? passed : scriptFrame_ > 0 ? kScriptStepS : 0);
 }
 
 Status Viewer::arrange() {

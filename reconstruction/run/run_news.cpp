@@ -141,7 +141,10 @@ void RunNews::write() {
         changed_.wait_for(lock, std::chrono::duration<double>(kBeatS), [&] { return over_ || news_ || shown_; });
         news_ = false;
         auto shown = std::exchange(shown_, std::nullopt);
-        if (over_) shown.reset();
+        if (over_) {  // what is shown goes now
+            shown.reset();
+            told_.heldBackFrame.clear(), told_.avatarChange = 0;
+        }
         const std::vector<uint8_t> heldBack = std::exchange(heldBack_, {});
         writing_ = shown.has_value();
         const bool last = over_;

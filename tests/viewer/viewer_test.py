@@ -3,6 +3,7 @@
 """Runs doppel-viewer in a virtual display: scripted pictures against the CPU's, and a session with mouse, dropped files and other sizes.
 Exit 77, with the reason: something that the test needs is missing."""
 import argparse
+import json
 import os
 import pathlib
 import shutil
@@ -95,6 +96,65 @@ class Test:
         pictures = sorted(path.name for path in (self.work / "turn").glob("*"))
         expect(result.returncode == 0 and pictures == ["00000.png", "00001.png", "00002.png"], f"a turntable writes {pictures}")
         expect(self.figures("differ", self.work / "turn/00000.png", self.work / "turn/00001.png")[0] > 2, "the turntable turns")
+
+    def tell(self, folder, state, beat, **rest):
+        """progress.json of a run, replaced as a run does it."""
+        progress = {"format": "doppel-progress", "version": 1, "state": state, "sentence": "no space left on device", "started_unix_s": 1,
+                    "unix_s": int(time.time()), "beat": beat, "seconds": 90, "words": "painting", "place": 7, "places": 11, "share": 0.5,
+                    "seconds_left": 400, "steps": 800, "curve": [[100 * i, 18 + i, 0.1] for i in range(1, 8)],
+                    "held_back": {"frame": "dyn_003", "picture": "watch/held-back.jpg"},
+                    "avatar": {"file": "watch/avatar.glb", "step": 700, "change": 1}} | rest
+        (folder / "progress.part").write_text(json.dumps(progress))
+        (folder / "progress.part").rename(folder / "progress.json")
+
+    def run_folder(self, name):
+        folder = self.work / name
+        (folder / "watch").mkdir(parents=True)
+        shutil.copy(self.avatar, folder / "watch/avatar.glb")
+        shutil.copy(self.work / "room_bright.png", folder / "watch/held-back.jpg")  # told by its content
+        return folder
+
+    def watching(self):
+        """Runs that are played: what the viewer shows of one that works, fails, and is deleted."""
+        folder = self.run_folder("run")
+        self.tell(folder, "running", 1)
+        shot = self.work / "watch.png"
+        result = self.run(folder, "--screenshot", shot, "--size", "1280x800", "--room", "dark", "--frames", 2)
+        expect(result.returncode == 0 and not result.stderr, f"a run is drawn {result.stderr}")
+
+        def is_bar(picture):
+            red, _, blue = self.figures("colour", picture, 30, 78)
+            return red > 200 and blue < 60
+        expect(is_bar(shot), "the panel has the bar of its progress")
+        red, green, _ = self.figures("colour", shot, 820, 400)
+        expect(red > 150 and green < 90, "the avatar so far stands to the right")
+        expect(min(self.figures("colour", shot, 484, 300)) > 60, "the held-back picture lies to the left")
+
+        result = self.run("--screenshot", self.work / "never.png", self.work / "cache")
+        expect(result.returncode == 1 and "cache: this folder is no run" in result.stderr, f"another folder is refused: {result.stderr.strip()}")
+
+        process, window = self.start(folder, "--size", "900x700")
+        elsewhere = Display()
+        other = subprocess.Popen([self.viewer, folder, "--size", "300x200"], cwd=self.work, env=dict(self.environment, DISPLAY=elsewhere.name),
+                                 stderr=subprocess.DEVNULL)
+        try:
+            self.wait("the window shows that the run works", lambda: is_bar(self.capture(window, "watch_window.png")))
+            self.tell(folder, "failed", 2)
+            self.wait("the window shows that it failed", lambda: not is_bar(self.capture(window, "watch_failed.png")))
+            self.tell(folder, "running", 3)
+            self.wait("and that it goes on", lambda: is_bar(self.capture(window, "watch_again.png")))
+            (folder / "progress.json").write_text('{"format":')
+            shutil.rmtree(folder)
+            self.wait("the window stays when the run is deleted", lambda: not is_bar(self.capture(window, "watch_gone.png")))
+            expect(process.poll() is None and other.poll() is None, "two viewers watched it, and both live")
+            x11_send.Sender(self.display.name).close(window)
+            expect(process.wait(timeout=PATIENCE_S) == 0, "the window closes, with nothing from the validation layer")
+        finally:
+            for viewer in (process, other):
+                if viewer.poll() is None:
+                    viewer.kill()
+                viewer.wait()
+            elsewhere.close()
 
     def refusals(self):
         """What a user reads where no window can open."""
@@ -217,6 +277,7 @@ def main():
         test = Test(arguments, display)
         test.scripts()
         test.refusals()
+        test.watching()
         test.session()
     finally:
         display.close()

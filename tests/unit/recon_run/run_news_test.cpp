@@ -85,6 +85,7 @@ TEST_F(RunNewsTest, showsAnAvatarAndThenWaits) {
         EXPECT_FALSE(news.wantsAvatar()) << "ten seconds have not passed";
     }
     EXPECT_FALSE(fs::exists(out_ / RunNews::kFolder)) << "after the run nobody needs it";
+    EXPECT_TRUE(told()["avatar"].is_null());
 }
 
 TEST_F(RunNewsTest, showsAHeldBackPictureMadeSmall) {
