@@ -44,6 +44,10 @@ void Loader::add(Task task) {
     changed_.notify_all();
 }
 
+void Loader::compare(CompareTask task) {
+    add({.path = {}, .compare = std::move(task)});
+}
+
 void Loader::stopWatching() {
     std::lock_guard lock(mutex_);
     stopWatching_ = true;
@@ -115,6 +119,7 @@ LoadedFile Loader::lookIntoRun(bool asked) {
     auto avatar = bytes ? loadAvatar(std::move(*bytes), asked ? out.file : "") : Result<doppel::Avatar>(bytes.error());
     if (avatar) {
         out.avatar = std::move(*avatar);
+        out.path = out.run->avatar, out.comparable = out.run->finished && hasScanFrames(run_->folder());
     } else {  // the run replaces or removes it just now, or it does not fit into memory
         run_->forgetAvatar();
         if (out.run->finished) out.error = out.file + ": " + avatar.error().message;
@@ -122,7 +127,39 @@ LoadedFile Loader::lookIntoRun(bool asked) {
     return out;
 }
 
+LoadedFile Loader::compareNow(const CompareTask& task) {
+    LoadedFile out;
+    out.file = task.file.filename().string();
+    ComparedNews& news = out.compared.emplace();
+    news.file = task.file, news.frame = task.frame;
+    if (!comparer_ || comparedFile_ != task.file || comparedScan_ != task.scan) {
+        comparer_.reset();
+        auto opened = Comparer::open(task.file.parent_path(), task.file, task.scan);
+        if (!opened) {
+            out.error = opened.error().message;
+            return out;
+        }
+        comparer_.emplace(std::move(*opened));
+        comparedFile_ = task.file, comparedScan_ = task.scan;
+    }
+    for (const ComparedFrame& frame : comparer_->frames()) {
+        if (!task.name.empty() && !news.named && frame.name.starts_with(task.name)) news.frame = news.frames.size(), news.named = true;
+        news.frames.push_back(frame.name + (frame.split == "train" ? ", trained on" : ", not trained on"));
+    }
+    if (!task.name.empty() && !news.named) {
+        out.error = formatText("{}: no frame is called {}", out.file, task.name);
+        return out;
+    }
+    auto pictures = comparer_->compare(news.frame);
+    if (pictures)
+        news.pictures = std::move(*pictures);
+    else
+        out.error = pictures.error().message;
+    return out;
+}
+
 LoadedFile Loader::loadOne(const Task& task) {
+    if (task.compare) return compareNow(*task.compare);
     LoadedFile out;
     out.file = std::filesystem::path(task.path).filename().string();
     const auto failed = [&](const std::string& why) {
@@ -141,7 +178,12 @@ LoadedFile Loader::loadOne(const Task& task) {
     if (std::error_code error; std::filesystem::is_directory(path, error)) {
         path = std::filesystem::absolute(path, error).lexically_normal();
         if (!path.has_filename()) path = path.parent_path();  // OUT/
-        if (!isRunFolder(path)) return failed("this folder is no run of doppel reconstruct: it has neither progress.json nor run.json");
+        if (!isRunFolder(path)) {
+            if (!std::filesystem::is_regular_file(path / "scan.json", error))
+                return failed("this folder is neither a run of doppel reconstruct (progress.json, run.json) nor a scan (scan.json)");
+            out.scan = path;
+            return out;
+        }
         run_.emplace(path);
         return lookIntoRun(true);
     }
@@ -152,6 +194,8 @@ LoadedFile Loader::loadOne(const Task& task) {
             auto avatar = loadAvatar(std::move(*bytes), out.file);
             if (!avatar) return failed(avatar.error().message);
             out.avatar = std::move(*avatar);
+            std::error_code error;
+            out.path = std::filesystem::absolute(path, error), out.comparable = hasScanFrames(out.path.parent_path());
             return out;
         }
         case FileKind::Motion: {
@@ -200,7 +244,7 @@ void Loader::run() {
             const Task task = std::move(tasks_.front());
             tasks_.pop_front();
             atHand_ = std::filesystem::path(task.path).filename().string();
-            const std::string file = atHand_;
+            const std::string file = task.compare ? task.compare->file.filename().string() : atHand_;
             lock.unlock();
             if (broken.empty())
                 loaded = guarded(file, [&] { return loadOne(task); });

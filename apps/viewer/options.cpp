@@ -19,6 +19,7 @@ std::optional<ViewerOptions> readOptions(int argc, const char* const* argv, int*
                    "Avatars, splats, motions, and the output folder of a reconstruction to watch. A motion goes to the avatar before it");
     app.add_option("--clip", options.clip, "Clip that the avatars play: a name from the file, or a motion file");
     app.add_option("--animation", options.animation, kAnimationHelp)->needs("--clip");
+    app.add_option("--compare", options.compare, "Compare the avatar of a run with the frame of its scan whose name begins so");
     app.add_option("--room", options.room, "auto: dark with avatars, none with splats alone")
         ->check(CLI::IsMember({"auto", "dark", "bright", "none"}))
         ->capture_default_str();
@@ -45,6 +46,7 @@ std::optional<ViewerOptions> readOptions(int argc, const char* const* argv, int*
         "  doppel-viewer ada/avatar.glb walk.bvh\n"
         "  doppel-viewer ada.glb walk.bvh bob.glb run.bvh          two avatars, a motion for each\n"
         "  doppel-viewer OUT                                       watches doppel reconstruct SCAN -o OUT\n"
+        "  doppel-viewer OUT --compare full_003                     the avatar beside a photograph of its scan\n"
         "  doppel-viewer guitar.ply --axes y-down --room none\n"
         "  doppel-viewer ada.glb --clip walk --screenshot ada.png --size 1280x800 --frames 30 --room bright --hide-panels\n"
         "  doppel-viewer ada.glb --turntable ada.mp4\n"

@@ -7,6 +7,7 @@
 #include <cfloat>
 
 #include "apps/shared/pictures.h"
+#include "apps/viewer/compare_panel.h"
 #include "apps/viewer/run_panel.h"
 
 namespace dpl {
@@ -87,7 +88,7 @@ void clipControls(ViewerState& state, ViewedSubject& subject) {
 /** Play, time, loop and speed of all clips; the length is that of the chosen avatar's. */
 void timeline(ViewerState& state, float width, float height) {
     const ViewedSubject* chosen = state.chosen();
-    if (!chosen || !chosen->clip) return;
+    if (!chosen || !chosen->clip || state.compared) return;
     const FreeSpan free = freeSpan(state, width);
     const float wide = std::min(kWidestTimeline, free.right - free.left - 2 * kGap);
     ImGui::SetNextWindowPos({0.5f * (free.left + free.right), height - kGap}, ImGuiCond_Always, {0.5f, 1});
@@ -235,6 +236,7 @@ FreeSpan betweenPanels(const ViewerState& state, float width) {
 FreeSpan heldBackSpan(const ViewerState& state, float width) {
     constexpr float kLeastWidth = 400;  // of both
     const FreeSpan free = betweenPanels(state, width);
+    if (state.compared) return {};
     const bool belowPanels = state.panels && free.left == 0;
     if (!state.run || state.run->heldBack.id == 0 || belowPanels || free.right - free.left < kLeastWidth) return {};
     return {free.left + kHeldBackMargin, 0.5f * (free.left + free.right) - kHeldBackMargin / 2};
@@ -247,6 +249,11 @@ FreeSpan freeSpan(const ViewerState& state, float width) {
 
 void drawPanels(ViewerState& state, float width, float height) {
     float top = kGap;
+    if (state.compared) {
+        beginPanel("Compare", kGap, top, kLeftWidth, height - 2 * kGap);
+        drawComparison(state);
+        top += endPanel() + kGap;
+    }
     if (state.run) {
         beginPanel(("Run: " + state.run->watch.name() + "###run").c_str(), kGap, top, kLeftWidth, height - 2 * kGap);
         const FreeSpan heldBack = heldBackSpan(state, width);
@@ -257,6 +264,10 @@ void drawPanels(ViewerState& state, float width, float height) {
     subjectList(state);
     if (ViewedSubject* subject = state.chosen(); subject && subject->isAvatar()) {
         ImGui::SliderFloat("##turned", &subject->turnedDeg, -180, 180, "turned by %.0f°", ImGuiSliderFlags_AlwaysClamp);
+        if (subject->comparable && !state.compared) {
+            if (ImGui::Button("Compare with its pictures", {-1, 0})) state.wantsCompare = true;
+            if (ImGui::IsItemHovered()) ImGui::SetTooltip("The photographs of its scan over or beside it, and what differs");
+        }
         if (ImGui::CollapsingHeader("Clip", ImGuiTreeNodeFlags_DefaultOpen)) clipControls(state, *subject);
         if (ImGui::CollapsingHeader("Joints by hand")) jointList(*subject);
     }
@@ -283,6 +294,7 @@ void drawHelp(ViewerState& state, float width, float height) {
         {"double click", "turn around this place, from nearer"},
         {"1  2  3", "body, face, one hand, then the other"},
         {"F", "show everything"},
+        {"left, right", "the next photograph, while comparing"},
         {"space", "play, pause"},
         {"H", "hide or show the panels"},
         {"P", "save a picture without panels"},

@@ -4,6 +4,7 @@
 
 #include <map>
 
+#include "apps/viewer/comparison.h"
 #include "apps/viewer/focus.h"
 #include "apps/viewer/messages.h"
 #include "apps/viewer/orbit_camera.h"
@@ -37,6 +38,18 @@ struct WatchedRun {
     std::string heldBackFrame;
 };
 
+/** The avatar that is compared with the photographs of its scan. */
+struct ComparedAvatar {
+    DplAvatar avatar = nullptr;
+    std::filesystem::path file, scan;  // as in CompareTask
+    std::string firstFrame;            // its name; empty: any
+    Comparison comparison;
+    ShownPicture photo, drawn, error;  // of the frame that was drawn last
+    double db = 0;
+    bool masked = false;
+    std::string problem;  // why that frame has no pictures, or ""
+};
+
 struct ViewerState {
     std::vector<ViewedSubject> subjects;
     size_t selected = 0;  // of subjects, where there is one
@@ -49,6 +62,7 @@ struct ViewerState {
     bool keptAway = false;                        // the limit holds the camera back in this frame
     bool panels = true, help = false;
     std::optional<WatchedRun> run;
+    std::optional<ComparedAvatar> compared;
     double nowS = 0;  // the viewer's clock in this frame
     Messages messages;
     Figures figures;
@@ -57,6 +71,7 @@ struct ViewerState {
     // Wishes of the user, which the viewer fulfils and takes back.
     bool wantsScreenshot = false, wantsTurntable = false, wantsFrame = false;
     bool wantsSample = false;
+    bool wantsCompare = false, wantsCompareEnd = false;  // of the selected avatar, which is comparable
     std::optional<size_t> wantsRemoval;
     std::optional<SeenPart> wantsPart;                 // of the selected avatar, to be seen from near
     std::optional<std::optional<uint32_t>> wantsClip;  // for the selected avatar; within: nothing is the rest pose

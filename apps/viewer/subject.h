@@ -3,6 +3,7 @@
 #pragma once
 
 #include <doppel/doppel.hpp>
+#include <filesystem>
 
 #include "apps/viewer/joint_regions.h"
 #include "apps/viewer/orbit_camera.h"
@@ -37,7 +38,9 @@ struct ViewedSubject {
     double nearestM(const Vec3d& point, const Vec3d& eye, double focalPx, double magnification) const;
 
     doppel::Avatar avatar;
-    std::string file;  // without folders
+    std::string file;            // without folders
+    std::filesystem::path path;  // of it, absolute; empty: the subject has no file of its own
+    bool comparable = false;     // its folder has cameras and poses of its scan
     DplAvatarInfo info{};
     DplFileAxes axes{};  // of its file
     std::vector<Clip> clips;

@@ -9,6 +9,7 @@
 #include <numbers>
 
 #include "apps/shared/pictures.h"
+#include "apps/viewer/compared_avatar.h"
 #include "apps/viewer/room_plan.h"
 #include "apps/viewer/watched_run.h"
 #include "reconstruction/base/sdk_camera.h"
@@ -17,7 +18,7 @@ namespace dpl {
 namespace {
 
 constexpr double kScriptStepS = 1.0 / 30;
-constexpr int kF1 = 290;  // GLFW's code
+constexpr int kF1 = 290, kRight = 262, kLeft = 263, kEscape = 256;  // GLFW's codes
 
 /** Where self-tests of drivers are kept between runs; empty if there is no such folder. */
 std::string cacheFolder() {
@@ -131,6 +132,15 @@ platform::FrameContents Viewer::contents() {
     what.room = state_.room;
     if (const auto doppel = loader_ ? loader_->doppel() : std::nullopt) what.context = doppel->context, what.composer = doppel->composer;
     const ImVec2 size = ImGui::GetIO().DisplaySize;
+    if (state_.compared) {
+        what.room.reset();
+        for (platform::PlacedPicture placed : placesOfComparison(state_, size.x, size.y).pictures) {
+            for (float* edge : {&placed.left, &placed.top, &placed.right, &placed.bottom})
+                *edge *= ImGui::GetIO().DisplayFramebufferScale.x;
+            what.pictures.push_back(placed);
+        }
+        return what;
+    }
     if (!turntable_ && screenshot_.empty()) what.pictures = picturesOfRun(state_, size.x, size.y, ImGui::GetIO().DisplayFramebufferScale.x);
     for (const ViewedSubject& subject : state_.subjects) {
         if (!subject.shown) continue;
@@ -162,12 +172,17 @@ void Viewer::takeFiles() {
         }
     for (LoadedFile& file : loader_->take()) {
         if (!file.file.empty() && file.asked) --waitingFor_;
-        if (!file.error.empty()) {
+        if (file.compared) {
+            if (const Status taken = takeCompared(state_, *shell_, std::move(file)); !taken) report(taken.error().message);
+            if (options_.isScript() && state_.compared && !state_.compared->problem.empty()) report(state_.compared->problem);
+        } else if (!file.error.empty()) {
             report(file.error);
+        } else if (!file.scan.empty()) {
+            if (const Status begun = beginComparing(state_, *shell_, file.scan, {}); !begun) report(begun.error().message);
         } else if (file.run) {
             if (const Status taken = takeRunNews(state_, *shell_, std::move(file)); !taken) report(taken.error().message);
         } else if (file.avatar) {
-            addSubject(std::move(*file.avatar), file.file);
+            addSubject(std::move(file));
             timings_.mark("first file loaded");
         } else {
             for (ViewedSubject& subject : state_.subjects)
@@ -178,12 +193,14 @@ void Viewer::takeFiles() {
     state_.atHand = loader_->atHand();
 }
 
-void Viewer::addSubject(doppel::Avatar avatar, const std::string& file) {
+void Viewer::addSubject(LoadedFile loaded) {
+    const std::string& file = loaded.file;
     if (state_.subjects.size() == DPL_MAX_TOGETHER)
         return report(
             formatText("{}: not shown; at most {} avatars and splats can be drawn together. Remove one first", file, DPL_MAX_TOGETHER));
-    auto made = ViewedSubject::of(std::move(avatar), file);
+    auto made = ViewedSubject::of(std::move(*loaded.avatar), file);
     if (!made) return report(file + ": " + made.error().message);
+    made->path = loaded.path, made->comparable = loaded.comparable;
     if (!options_.clip.empty() && made->isAvatar()) {
         const auto clip = chooseClip(made->avatar, options_.clip, options_.animation);
         if (!clip) return report(clip.error().message);
@@ -203,6 +220,7 @@ void Viewer::takeInput() {
     if (options_.isScript()) return;
     for (const int key : shell_->takeKeys()) takeKey(key);
     if (io.WantCaptureMouse || io.DisplaySize.y <= 0) return;
+    if (state_.compared) return dragWipe();
     const auto drags = [&io](int button) {  // ImGui may tell of the last movement and of the release in one frame
         return (io.MouseDown[button] || io.MouseReleased[button]) && !io.MouseDownOwned[button];
     };
@@ -214,6 +232,14 @@ void Viewer::takeInput() {
                            io.DisplaySize.y);
     }
     if (io.MouseDoubleClicked[0]) focusOn(io.MousePos.x, io.MousePos.y);
+}
+
+/** Dragging moves the line between photograph and avatar. */
+void Viewer::dragWipe() {
+    const ImGuiIO& io = ImGui::GetIO();
+    const ComparedPlaces places = placesOfComparison(state_, io.DisplaySize.x, io.DisplaySize.y);
+    if (io.MouseDown[0] && !io.MouseDownOwned[0] && places.right > places.left)
+        state_.compared->comparison.wipe = std::clamp((io.MousePos.x - places.left) / (places.right - places.left), 0.0f, 1.0f);
 }
 
 void Viewer::takeKey(int key) {  // GLFW's codes of letters and digits are those of ASCII
@@ -228,6 +254,9 @@ void Viewer::takeKey(int key) {  // GLFW's codes of letters and digits are those
         rightHand_ = !rightHand_;
     }
     if (key == kF1) state_.help = !state_.help;
+    if (state_.compared && key == kLeft) state_.compared->comparison.step(-1);
+    if (state_.compared && key == kRight) state_.compared->comparison.step(1);
+    if (key == kEscape) state_.wantsCompareEnd = true;
 }
 
 /** Turns around what is seen there from now on, and selects whose it is. x, y: in ImGui's coordinates. */
@@ -268,11 +297,18 @@ void Viewer::fulfilWishes() {
                 state_.messages.info(chosen->file + " has no joint that is known as this part of a body", nowS());
         }
     }
+    if (state_.compared && !state_.subjectOf(state_.compared->avatar)) state_.wantsCompareEnd = true;  // it was removed, or replaced
+    if (state_.wantsCompareEnd) endComparing(state_, *shell_);
+    const bool first = !options_.compare.empty() && !comparedFirst_ && state_.chosen() && state_.chosen()->comparable;
+    if (state_.wantsCompare || first)
+        if (const Status begun = beginComparing(state_, *shell_, {}, first ? options_.compare : ""); !begun) report(begun.error().message);
+    comparedFirst_ |= first;
+    if (auto task = comparisonToDraw(state_)) loader_->compare(std::move(*task)), ++waitingFor_;
     if (state_.wantsSample && loader_) loader_->loadSample(), ++waitingFor_;
     if (state_.wantsScreenshot) screenshot_ = nextFreeName("doppel", ".png");
     if (state_.wantsTurntable && !turntable_) startTurntable(nextFreeName("turntable", ".mp4"));
     state_.wantsRemoval.reset(), state_.wantsClip.reset(), state_.wantsPart.reset();
-    state_.wantsScreenshot = state_.wantsTurntable = state_.wantsSample = false;
+    state_.wantsScreenshot = state_.wantsTurntable = state_.wantsSample = state_.wantsCompare = state_.wantsCompareEnd = false;
     if (options_.isScript() && !options_.turntable.empty() && scriptMayBegin() && !turntable_ && !done_) startTurntable(options_.turntable);
     if (turntable_) state_.camera.setAzimuth(turntableFromRad_ + turntable_->turnRad());
 }

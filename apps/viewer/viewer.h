@@ -30,9 +30,10 @@ private:
     Viewer(const ViewerOptions& options, Timings& timings, std::unique_ptr<platform::Shell> shell);
     Status frame();
     void takeFiles();
-    void addSubject(doppel::Avatar avatar, const std::string& file);
+    void addSubject(LoadedFile loaded);
     void takeInput();
     void takeKey(int key);
+    void dragWipe();
     void focusOn(float x, float y);
     void fulfilWishes();
     void advanceTime();
@@ -60,9 +61,10 @@ private:
     const std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
     double lastS_ = 0, figuresAtS_ = -1;
     uint64_t figuresAtFrame_ = 0;
-    size_t waitingFor_ = 0;   // files that are not loaded yet
-    bool framed_ = false;     // the camera was put before the first subject
-    bool rightHand_ = false;  // is the next that is looked at
+    size_t waitingFor_ = 0;       // files that are not loaded yet
+    bool framed_ = false;         // the camera was put before the first subject
+    bool comparedFirst_ = false;  // --compare was heard
+    bool rightHand_ = false;      // is the next that is looked at
     float detailSet_ = 0, budgetSet_ = 0;
     std::optional<Turntable> turntable_;
     double turntableFromRad_ = 0;

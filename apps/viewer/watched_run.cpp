@@ -18,6 +18,7 @@ double unixS() {
 
 Status takeAvatar(ViewerState& state, WatchedRun& run, LoadedFile& news) {
     DPL_TRY(ViewedSubject made, ViewedSubject::of(std::move(*news.avatar), news.file));
+    made.path = std::move(news.path), made.comparable = news.comparable;
     const DplAvatar handle = made.avatar.handle();
     if (ViewedSubject* before = state.subjectOf(run.avatar)) {
         made.shown = before->shown, made.turnedDeg = news.run->finished ? 0 : before->turnedDeg;

@@ -5,6 +5,7 @@
 #include "reconstruction/judging/ladder/true_mesh.h"
 #include "reconstruction/judging/report/report.h"
 #include "reconstruction/run/cameras_file.h"
+#include "reconstruction/run/frames_file.h"
 #include "reconstruction/run/import_scan.h"
 #include "reconstruction/run/output_claim.h"
 #include "reconstruction/run/run_news.h"
@@ -113,6 +114,8 @@ Result<ReconstructResult> completeRun(Run& run) {
     DPL_RETURN_IF_ERROR(tellVerdict(run, found->poses.avatarHash));
     DPL_TRY(const FrameTable* table, run.get<FrameTable>());
     DPL_RETURN_IF_ERROR(writeCameras(*table, camerasBeside(result.poses)));
+    DPL_TRY(const MetricCameras* metric, run.get<MetricCameras>());
+    DPL_RETURN_IF_ERROR(writeFileAtomically(out / "frames.json", framesToJson(table->scan, metric->cameras, out)));
     DPL_TRY(const ReportFiles* report, run.get<ReportFiles>());
     for (const char* name : {"report.html", "report.json", "portrait.jpg"}) {
         DPL_TRY(const auto bytes, readFile(report->folder / name));

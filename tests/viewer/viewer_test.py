@@ -131,7 +131,7 @@ class Test:
         expect(min(self.figures("colour", shot, 484, 300)) > 60, "the held-back picture lies to the left")
 
         result = self.run("--screenshot", self.work / "never.png", self.work / "cache")
-        expect(result.returncode == 1 and "cache: this folder is no run" in result.stderr, f"another folder is refused: {result.stderr.strip()}")
+        expect(result.returncode == 1 and "cache: this folder is neither a run" in result.stderr, f"another folder is refused: {result.stderr.strip()}")
 
         process, window = self.start(folder, "--size", "900x700")
         elsewhere = Display()
@@ -155,6 +155,53 @@ class Test:
                     viewer.kill()
                 viewer.wait()
             elsewhere.close()
+
+    def comparing(self):
+        """A finished run with two frames whose photographs are a bright wall and a dark one, which the avatar stands before."""
+        folder = self.run_folder("finished")
+        shutil.copy(self.avatar, folder / "avatar.glb")
+        self.tell(folder, "done", 9)
+        scan = folder / "scan"
+        scan.mkdir()
+        (scan / "scan.json").write_text("{}")
+        rest, frames, poses = [[0, 0, 0, 1]] * 2, [], []
+        for name, light in (("a", "bright"), ("b", "dark")):
+            shutil.copy(self.work / f"room_{light}.png", scan / f"{name}.png")
+            frames.append({"name": name, "image": f"{name}.png", "mask": "", "size": [420, 300],
+                           "camera": [300, 300, 210, 150, 1, 0, 0, 0, -1, 0, 0, 0, -1, 0, 1, 2.5]})
+            poses.append({"name": name, "split": "train", "pose": {"rotations_xyzw": rest, "root_translation": [0, 0, 0]}})
+        (folder / "frames.json").write_text(json.dumps({"format": "doppel-frames", "version": 1, "scan": "scan", "frames": frames}))
+        (folder / "poses.json").write_text(json.dumps({"format": "doppel-poses", "version": 1, "joints": ["pelvis", "left_shoulder"],
+                                                       "frames": poses}))
+        shot = self.work / "compare.png"
+        result = self.run(folder, "--compare", "a", "--screenshot", shot, "--size", "1280x800")
+        expect(result.returncode == 0 and not result.stderr, f"a comparison is drawn {result.stderr}")
+        expect(min(self.figures("colour", shot, 340, 400)) > 100, "the photograph is to the left of the line")
+        red, green, _ = self.figures("colour", shot, 680, 400)
+        expect(red > 200 and green < 90, "the avatar is to the right of it")
+        expect(max(self.figures("colour", shot, 960, 400)) < 80, "with grey around it")
+        result = self.run(folder, "--compare", "c", "--screenshot", self.work / "never.png")
+        expect(result.returncode == 1 and "no frame is called c" in result.stderr, f"another frame is refused: {result.stderr.strip()}")
+
+        process, window = self.start(folder / "avatar.glb", "--hide-panels", "--room", "none", "--size", "420x300")
+        try:
+            def is_photo(dark):
+                value = max(self.figures("colour", self.capture(window, "compare_window.png"), 60, 60))
+                return value < 60 if dark else value > 100
+            self.wait("the avatar is in the window", lambda: self.figures("colour", self.capture(window, "compare_window.png"), 210, 170)[0] > 150)
+            x11_send.Sender(self.display.name).drop(window, [scan])
+            self.wait("a dropped scan is compared with the avatar of its run", lambda: is_photo(False))
+            self.xdotool("key", "--window", window, "Right")
+            self.wait("the arrow goes to the next frame", lambda: is_photo(True))
+            self.xdotool("mousemove", "--window", window, 30, 150, "mousedown", 1, "mouseup", 1)
+            self.xdotool("key", "--window", window, "Left")
+            self.wait("the photograph gives way where the mouse was", lambda: not is_photo(False))
+            self.xdotool("key", "--window", window, "Escape")
+            x11_send.Sender(self.display.name).close(window)
+            expect(process.wait(timeout=PATIENCE_S) == 0, "the window closes, with nothing from the validation layer")
+        finally:
+            if process.poll() is None:
+                process.kill()
 
     def refusals(self):
         """What a user reads where no window can open."""
@@ -278,6 +325,7 @@ def main():
         test.scripts()
         test.refusals()
         test.watching()
+        test.comparing()
         test.session()
     finally:
         display.close()
