@@ -48,6 +48,18 @@ void Loader::compare(CompareTask task) {
     add({.path = {}, .compare = std::move(task)});
 }
 
+void Loader::list(std::filesystem::path folder) {
+    add({.path = {}, .list = std::move(folder)});
+}
+
+void Loader::loadSettings(std::filesystem::path file) {
+    add({.path = {}, .settingsFile = std::move(file)});
+}
+
+void Loader::save(std::filesystem::path file, ViewerSettings settings) {
+    add({.path = {}, .settingsFile = std::move(file), .save = std::move(settings)});
+}
+
 void Loader::stopWatching() {
     std::lock_guard lock(mutex_);
     stopWatching_ = true;
@@ -127,6 +139,29 @@ LoadedFile Loader::lookIntoRun(bool asked) {
     return out;
 }
 
+LoadedFile Loader::listNow(const Task& task) {
+    LoadedFile out;
+    out.asked = false;
+    auto list = listFolder(task.list);
+    if (list) {
+        out.folder = std::move(*list);
+    } else {
+        out.error = list.error().message;
+        out.path = task.list;
+    }
+    return out;
+}
+
+LoadedFile Loader::settingsNow(const Task& task) {
+    LoadedFile out;
+    out.asked = false;
+    if (!task.save)
+        out.settings = readSettings(task.settingsFile);
+    else if (const Status written = writeSettings(task.settingsFile, *task.save); !written)
+        out.error = "settings are not kept: " + written.error().message, out.file = kSettings;
+    return out;
+}
+
 LoadedFile Loader::compareNow(const CompareTask& task) {
     LoadedFile out;
     out.file = task.file.filename().string();
@@ -160,8 +195,15 @@ LoadedFile Loader::compareNow(const CompareTask& task) {
 
 LoadedFile Loader::loadOne(const Task& task) {
     if (task.compare) return compareNow(*task.compare);
+    if (!task.list.empty()) return listNow(task);
+    if (!task.settingsFile.empty()) return settingsNow(task);
     LoadedFile out;
     out.file = std::filesystem::path(task.path).filename().string();
+    if (!task.sample) {
+        std::error_code error;
+        out.opened = std::filesystem::absolute(task.path, error).lexically_normal();
+        if (!out.opened.has_filename()) out.opened = out.opened.parent_path();  // OUT/
+    }
     const auto failed = [&](const std::string& why) {
         out.error = out.file + ": " + why;
         return std::move(out);
@@ -176,8 +218,7 @@ LoadedFile Loader::loadOne(const Task& task) {
         path = *made;
     }
     if (std::error_code error; std::filesystem::is_directory(path, error)) {
-        path = std::filesystem::absolute(path, error).lexically_normal();
-        if (!path.has_filename()) path = path.parent_path();  // OUT/
+        path = out.opened;
         if (!isRunFolder(path)) {
             if (!std::filesystem::is_regular_file(path / "scan.json", error))
                 return failed("this folder is neither a run of doppel reconstruct (progress.json, run.json) nor a scan (scan.json)");
@@ -185,7 +226,9 @@ LoadedFile Loader::loadOne(const Task& task) {
             return out;
         }
         run_.emplace(path);
-        return lookIntoRun(true);
+        LoadedFile look = lookIntoRun(true);
+        look.opened = path;
+        return look;
     }
     auto bytes = readFile(path);
     if (!bytes) return failed(bytes.error().message);
@@ -246,7 +289,7 @@ void Loader::run() {
             atHand_ = std::filesystem::path(task.path).filename().string();
             const std::string file = task.compare ? task.compare->file.filename().string() : atHand_;
             lock.unlock();
-            if (broken.empty())
+            if (broken.empty() || !task.list.empty() || !task.settingsFile.empty())
                 loaded = guarded(file, [&] { return loadOne(task); });
             else
                 loaded = {.file = file, .error = file + ": not loaded, because avatars cannot be drawn here: " + broken};

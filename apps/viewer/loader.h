@@ -10,7 +10,9 @@
 #include <thread>
 
 #include "apps/viewer/comparer.h"
+#include "apps/viewer/folder_list.h"
 #include "apps/viewer/run_reader.h"
+#include "apps/viewer/settings.h"
 #include "platform/desktop/shell.h"
 #include "sdk/core/result.h"
 
@@ -32,18 +34,24 @@ struct ComparedNews {
     ComparedPictures pictures;
 };
 
+/** LoadedFile::file where settings could not be written. */
+constexpr const char* kSettings = "settings";
+
 /** What became of one file, or what a watched run told. */
 struct LoadedFile {
     std::string file;                      // without folders; empty: not a file, but the context
     std::optional<doppel::Avatar> avatar;  // a new avatar, or general splats; of a run: in place of that of before
     DplAvatar clipOf = nullptr;            // the avatar that got a new clip
+    std::filesystem::path opened;          // the file or folder that was asked for, absolute
     std::filesystem::path path;            // of the avatar's file
     bool comparable = false;               // its folder has cameras and poses of its scan
     std::filesystem::path scan;            // the file is the folder of a scan
     std::optional<ComparedNews> compared;  // `error` says why there are no pictures
-    std::optional<RunReader::News> run;    // of the run in the folder `file`, where nobody has asked for a file
-    bool asked = true;                     // it answers load() or loadSample()
-    std::string error;                     // a sentence, if none of these but `compared`
+    std::optional<FolderList> folder;      // what it holds; nobody has asked for a file
+    std::optional<ViewerSettings> settings;
+    std::optional<RunReader::News> run;  // of the run in the folder `file`, where nobody has asked for a file
+    bool asked = true;                   // it answers load() or loadSample()
+    std::string error;                   // a sentence, if none of these but `compared`
 };
 
 /** The context and the composer for the shell's window. */
@@ -66,6 +74,11 @@ public:
     void load(std::string path, DplAvatar motionOf);
     /** Draws a frame of a scan, and reads its frames before if the avatar or scan is another one than before. */
     void compare(CompareTask task);
+    /** Lists a folder. One that cannot be listed is an error, with the folder as `path`. */
+    void list(std::filesystem::path folder);
+    void loadSettings(std::filesystem::path file);
+    /** Writes settings. */
+    void save(std::filesystem::path file, ViewerSettings settings);
     /** No run is watched any more. */
     void stopWatching();
     /** Loads the built-in sample avatar. The program `doppel` makes it the first time, which takes seconds. */
@@ -84,12 +97,16 @@ private:
         DplAvatar motionOf = nullptr;
         bool sample = false;
         std::optional<CompareTask> compare;
+        std::filesystem::path list, settingsFile;
+        std::optional<ViewerSettings> save;
     };
     void run();
     Status makeContext();
     void add(Task task);
     LoadedFile loadOne(const Task& task);
     LoadedFile lookIntoRun(bool asked);
+    LoadedFile listNow(const Task& task);
+    LoadedFile settingsNow(const Task& task);
     LoadedFile compareNow(const CompareTask& task);
     Result<doppel::Avatar> loadAvatar(std::vector<uint8_t> bytes, const std::string& file);
     bool ends(const doppel::Load& load, const std::string& file);

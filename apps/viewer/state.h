@@ -6,10 +6,12 @@
 
 #include "apps/viewer/comparison.h"
 #include "apps/viewer/focus.h"
+#include "apps/viewer/folder_list.h"
 #include "apps/viewer/messages.h"
 #include "apps/viewer/orbit_camera.h"
 #include "apps/viewer/playback.h"
 #include "apps/viewer/run_watch.h"
+#include "apps/viewer/settings.h"
 #include "apps/viewer/subject.h"
 #include "platform/common/room_mesh.h"
 
@@ -50,6 +52,12 @@ struct ComparedAvatar {
     std::string problem;  // why that frame has no pictures, or ""
 };
 
+/** The window that chooses a file. */
+struct OpenWindow {
+    FolderList list;
+    bool waits = true;  // for another list
+};
+
 struct ViewerState {
     std::vector<ViewedSubject> subjects;
     size_t selected = 0;  // of subjects, where there is one
@@ -63,6 +71,8 @@ struct ViewerState {
     bool panels = true, help = false;
     std::optional<WatchedRun> run;
     std::optional<ComparedAvatar> compared;
+    std::optional<OpenWindow> open;
+    ViewerSettings settings;
     double nowS = 0;  // the viewer's clock in this frame
     Messages messages;
     Figures figures;
@@ -70,7 +80,9 @@ struct ViewerState {
 
     // Wishes of the user, which the viewer fulfils and takes back.
     bool wantsScreenshot = false, wantsTurntable = false, wantsFrame = false;
-    bool wantsSample = false;
+    bool wantsSample = false, wantsOpenWindow = false, wantsRoom = false,
+         wantsKeptRoom = false;                          // wantsRoom: it is to be built anew around the subjects
+    std::optional<std::string> wantsOpen, wantsFolder;   // a file; a folder to be listed
     bool wantsCompare = false, wantsCompareEnd = false;  // of the selected avatar, which is comparable
     std::optional<size_t> wantsRemoval;
     std::optional<SeenPart> wantsPart;                 // of the selected avatar, to be seen from near

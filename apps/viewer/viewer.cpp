@@ -10,6 +10,7 @@
 
 #include "apps/shared/pictures.h"
 #include "apps/viewer/compared_avatar.h"
+#include "apps/viewer/open_panel.h"
 #include "apps/viewer/room_plan.h"
 #include "apps/viewer/watched_run.h"
 #include "reconstruction/base/sdk_camera.h"
@@ -99,7 +100,10 @@ Status Viewer::frame() {
     const bool panels = state_.panels && !turntable_ && screenshot_.empty();
     state_.messages.tick(nowS());
     if (panels) drawPanels(state_, size.x, size.y);
-    if (!turntable_ && screenshot_.empty()) drawHelp(state_, size.x, size.y);
+    if (!turntable_ && screenshot_.empty()) {
+        drawHelp(state_, size.x, size.y);
+        drawOpen(state_, size.x, size.y);
+    }
     drawMessages(state_, size.x, size.y);
 
     platform::FrameContents what = contents();
@@ -171,6 +175,8 @@ void Viewer::takeFiles() {
             if (dplGetRendererName(doppel->context, &name) == DPL_OK) state_.rendererName = name;
         }
     for (LoadedFile& file : loader_->take()) {
+        if (opened_.take(state_, file, nowS())) continue;
+        opened_.remember(state_, file);
         if (!file.file.empty() && file.asked) --waitingFor_;
         if (file.compared) {
             if (const Status taken = takeCompared(state_, *shell_, std::move(file)); !taken) report(taken.error().message);
@@ -209,7 +215,7 @@ void Viewer::addSubject(LoadedFile loaded) {
     }
     if (!made->axes.stated && state_.axes.empty())
         state_.messages.info(file + ": no up axis stated; if it stands wrong, choose another under Picture", nowS());
-    if (state_.subjects.empty() && options_.room == "auto" && !made->isAvatar()) state_.room.reset();
+    if (state_.subjects.empty() && options_.room == "auto" && state_.settings.room.empty() && !made->isAvatar()) state_.room.reset();
     state_.subjects.push_back(std::move(*made));
     state_.selected = state_.subjects.size() - 1;
     state_.wantsFrame = true;
@@ -245,6 +251,7 @@ void Viewer::dragWipe() {
 void Viewer::takeKey(int key) {  // GLFW's codes of letters and digits are those of ASCII
     if (key == ' ') state_.playback.playing = !state_.playback.playing;
     if (key == 'F') state_.wantsFrame = true;
+    if (key == 'O') state_.wantsOpenWindow = true;
     if (key == 'H') state_.panels = !state_.panels;
     if (key == 'P') state_.wantsScreenshot = true;
     if (key == '1') state_.wantsPart = SeenPart::Whole;
@@ -256,7 +263,8 @@ void Viewer::takeKey(int key) {  // GLFW's codes of letters and digits are those
     if (key == kF1) state_.help = !state_.help;
     if (state_.compared && key == kLeft) state_.compared->comparison.step(-1);
     if (state_.compared && key == kRight) state_.compared->comparison.step(1);
-    if (key == kEscape) state_.wantsCompareEnd = true;
+    if (key == kEscape && !state_.open) state_.wantsCompareEnd = true;
+    if (key == kEscape) state_.open.reset();
 }
 
 /** Turns around what is seen there from now on, and selects whose it is. x, y: in ImGui's coordinates. */
@@ -304,6 +312,9 @@ void Viewer::fulfilWishes() {
         if (const Status begun = beginComparing(state_, *shell_, {}, first ? options_.compare : ""); !begun) report(begun.error().message);
     comparedFirst_ |= first;
     if (auto task = comparisonToDraw(state_)) loader_->compare(std::move(*task)), ++waitingFor_;
+    if (loader_) waitingFor_ += opened_.fulfil(state_, *loader_);
+    if (std::exchange(state_.wantsKeptRoom, false) && options_.room == "auto" && !state_.settings.room.empty())
+        state_.room = roomOf(state_.settings.room);
     if (state_.wantsSample && loader_) loader_->loadSample(), ++waitingFor_;
     if (state_.wantsScreenshot) screenshot_ = nextFreeName("doppel", ".png");
     if (state_.wantsTurntable && !turntable_) startTurntable(nextFreeName("turntable", ".mp4"));
@@ -334,7 +345,8 @@ Status Viewer::arrange() {
         if (const Status posed = subject.pose(state_.playback, lastS_); !posed) report(subject.file + ": " + posed.error().message);
     }
     if (state_.wantsFrame || !framed_) DPL_RETURN_IF_ERROR(frameAll());
-    state_.wantsFrame = false;
+    if (state_.wantsRoom) DPL_RETURN_IF_ERROR(buildRoom());
+    state_.wantsFrame = state_.wantsRoom = false;
     if (!options_.isScript() && !turntable_) keepAway();
     applyLimits();
     return {};
@@ -365,6 +377,10 @@ Status Viewer::frameAll() {
     if (size.x <= 0 || size.y <= 0) return {};
     frame(boxOf(state_.subjects));
     framed_ = true;
+    return buildRoom();
+}
+
+Status Viewer::buildRoom() {
     return ofShell(shell_->buildRoom(roomAround(state_.subjects, boxOf(state_.subjects), state_.camera.distanceM())));
 }
 
@@ -390,6 +406,7 @@ Status Viewer::afterDraw(bool drawn, std::vector<uint8_t>& rgb) {
     if (withSubjects) timings_.mark("first picture with a subject");
     if (!loader_) {  // only now, so that nothing competes with the first picture
         loader_ = std::make_unique<Loader>(*shell_, fillOf(options_.fill), cacheFolder());
+        opened_.begin(*loader_, options_.isScript());
         for (const std::string& file : options_.files) loader_->load(file, nullptr);
         waitingFor_ = options_.files.size();
         return {};

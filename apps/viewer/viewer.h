@@ -7,6 +7,7 @@
 #include <memory>
 
 #include "apps/viewer/loader.h"
+#include "apps/viewer/opened_files.h"
 #include "apps/viewer/options.h"
 #include "apps/viewer/panels.h"
 #include "apps/viewer/recorder.h"
@@ -39,6 +40,7 @@ private:
     void advanceTime();
     Status arrange();
     Status frameAll();
+    Status buildRoom();
     void frame(const WorldBox& box);
     FreeSpan freeNow() const;
     Camerad cameraNow() const;
@@ -56,6 +58,7 @@ private:
     Timings& timings_;
     const std::unique_ptr<platform::Shell> shell_;
     std::unique_ptr<Loader> loader_;
+    OpenedFiles opened_;
     ViewerState state_;  // its avatars are destroyed before the context
 
     const std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();

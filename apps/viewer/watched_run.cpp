@@ -21,7 +21,7 @@ Status takeAvatar(ViewerState& state, WatchedRun& run, LoadedFile& news) {
     made.path = std::move(news.path), made.comparable = news.comparable;
     const DplAvatar handle = made.avatar.handle();
     if (ViewedSubject* before = state.subjectOf(run.avatar)) {
-        made.shown = before->shown, made.turnedDeg = news.run->finished ? 0 : before->turnedDeg;
+        made.shown = before->shown, made.turnedDeg = news.run->finished ? 0 : before->turnedDeg, made.movedM = before->movedM;
         if (made.joints.size() == before->joints.size()) made.byHandDeg = before->byHandDeg;
         *before = std::move(made);
     } else {

@@ -55,6 +55,7 @@ class Test:
         self.display = display
         self.environment = dict(os.environ, DISPLAY=display.name, XDG_CACHE_HOME=str(self.work / "cache"), HOME=str(self.work))
         self.environment.pop("WAYLAND_DISPLAY", None)
+        self.environment.pop("XDG_CONFIG_HOME", None)  # settings lie in HOME
         self.avatar = self.work / "board.glb"
         subprocess.run([self.check, "make", self.avatar], check=True)
 
@@ -203,6 +204,42 @@ class Test:
             if process.poll() is None:
                 process.kill()
 
+    def opening(self):
+        """The window that chooses a file, what it opens, and what the next start remembers."""
+        folder = self.work / "files"
+        folder.mkdir()
+        shutil.copy(self.avatar, folder / "only.glb")
+        settings = self.work / ".config/doppel/viewer.json"
+        process, window = self.start("--room", "none", "--size", "900x700")
+        try:
+            x11_send.Sender(self.display.name).drop(window, [folder / "only.glb"])
+            self.wait("what was opened is remembered", lambda: settings.exists() and "only.glb" in settings.read_text())
+            red = lambda: self.figures("colour", self.capture(window, "open_window.png"), 450, 300)[0]
+            self.wait("the avatar is in the window", lambda: red() > 150)
+            self.xdotool("key", "--window", window, "o")
+            self.wait("the key O opens the window over it", lambda: red() < 100)
+            self.capture(window, "open_list.png")
+            self.wait("its folder is remembered", lambda: json.loads(settings.read_text())["folder"] == str(self.work))
+            self.xdotool("key", "--window", window, "Escape")
+            self.wait("Escape closes it", lambda: red() > 150)
+            x11_send.Sender(self.display.name).close(window)
+            expect(process.wait(timeout=PATIENCE_S) == 0, "the window closes, with nothing from the validation layer")
+        finally:
+            if process.poll() is None:
+                process.kill()
+        settings.write_text(json.dumps({"recent": [str(folder / "only.glb"), str(folder / "gone.glb")], "room": "bright"}))
+        process, window = self.start("--size", "900x700")
+        try:
+            self.wait("the room of the last time is there", lambda: min(self.figures("colour", self.capture(window, "kept.png"), 450, 100)) > 100)
+            self.xdotool("mousemove", "--window", window, 60, 138, "click", 1)  # the first of what was opened lately
+            red = lambda: self.figures("colour", self.capture(window, "recent_window.png"), 450, 300)
+            self.wait("a click opens what was opened lately", lambda: red()[0] > 150 and red()[1] < 90)
+            x11_send.Sender(self.display.name).close(window)
+            process.wait(timeout=PATIENCE_S)
+        finally:
+            if process.poll() is None:
+                process.kill()
+
     def refusals(self):
         """What a user reads where no window can open."""
         nowhere = dict(self.environment, DISPLAY=":no-such-display")
@@ -326,6 +363,7 @@ def main():
         test.refusals()
         test.watching()
         test.comparing()
+        test.opening()
         test.session()
     finally:
         display.close()
