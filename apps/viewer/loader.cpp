@@ -132,9 +132,11 @@ LoadedFile Loader::lookIntoRun(bool asked) {
     if (avatar) {
         out.avatar = std::move(*avatar);
         out.path = out.run->avatar, out.comparable = out.run->finished && hasScanFrames(run_->folder());
-    } else {  // the run replaces or removes it just now, or it does not fit into memory
+        if (comparedFile_ == out.path) comparer_.reset();  // it has drawn the one of before
+    } else if (out.run->finished) {
+        out.error = out.file + ": " + avatar.error().message;
+    } else {  // the run replaces or removes it just now
         run_->forgetAvatar();
-        if (out.run->finished) out.error = out.file + ": " + avatar.error().message;
     }
     return out;
 }

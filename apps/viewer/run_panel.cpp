@@ -18,6 +18,7 @@ void drawRun(ViewerState& state, bool pictureBeside) {
         ImGui::ProgressBar(float(told.share), {-1, 0}, text.c_str());
         if (!told.detail.empty() && ImGui::IsItemHovered()) ImGui::SetTooltip("%s", told.detail.c_str());
     }
+    if (life == RunWatch::Life::Done && run.finished) ImGui::TextWrapped("report.html in its folder says what the avatar is worth.");
     if (told.curve.size() > 1) {
         const auto at = [](void* points, int i) { return float(static_cast<const RunProgress::Point*>(points)[i].db); };
         ImGui::PlotLines("##fit", at, const_cast<RunProgress::Point*>(told.curve.data()), int(told.curve.size()), 0,

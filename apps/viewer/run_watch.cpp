@@ -58,7 +58,7 @@ std::string RunWatch::sentence(double nowS) const {
             return formatText("Not heard of for {}. If the run was killed, the same command goes on with it.",
                               wordsOfTime(nowS - changedS_));
         case Life::Done:
-            return formatText("Done after {}. The report in its folder says what the avatar is worth.", wordsOfTime(progress_.seconds));
+            return formatText("Done after {}.", wordsOfTime(progress_.seconds));
         case Life::Stopped:
             return "Stopped. The same command goes on with it.";
         case Life::Failed:

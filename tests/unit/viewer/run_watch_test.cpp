@@ -75,7 +75,7 @@ TEST(RunWatch, saysHowARunEnded) {
     look.progress.seconds = 1500;
     watch.hear(look, 0, 1018);
     EXPECT_EQ(watch.life(1000), Life::Done);
-    EXPECT_EQ(watch.sentence(1000), "Done after 25 minutes. The report in its folder says what the avatar is worth.");
+    EXPECT_EQ(watch.sentence(1000), "Done after 25 minutes.");
     watch.hear(told(9, RunProgress::State::Stopped), 1, 1019);
     EXPECT_EQ(watch.life(1000), Life::Stopped);
     look = told(9, RunProgress::State::Failed);
