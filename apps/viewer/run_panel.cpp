@@ -15,7 +15,9 @@ void drawRun(ViewerState& state, bool pictureBeside) {
     if (life == RunWatch::Life::Running) {
         std::string text = formatText("{} %", int(100 * told.share));
         if (told.secondsLeft) text += ", " + wordsOfTimeLeft(*told.secondsLeft);
+        ImGui::PushStyleColor(ImGuiCol_PlotHistogram, ImVec4(0.16f, 0.5f, 0.3f, 1));  // white letters are read on it
         ImGui::ProgressBar(float(told.share), {-1, 0}, text.c_str());
+        ImGui::PopStyleColor();
         if (!told.detail.empty() && ImGui::IsItemHovered()) ImGui::SetTooltip("%s", told.detail.c_str());
     }
     if (life == RunWatch::Life::Done && run.finished) ImGui::TextWrapped("report.html in its folder says what the avatar is worth.");

@@ -56,7 +56,7 @@ std::string RunWatch::sentence(double nowS) const {
         }
         case Life::Silent:
             return formatText("Not heard of for {}. If the run was killed, the same command goes on with it.",
-                              wordsOfTime(nowS - changedS_));
+                              nowS - changedS_ < 90 ? formatText("{} seconds", int(nowS - changedS_)) : wordsOfTime(nowS - changedS_));
         case Life::Done:
             return formatText("Done after {}.", wordsOfTime(progress_.seconds));
         case Life::Stopped:

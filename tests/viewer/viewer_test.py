@@ -124,8 +124,8 @@ class Test:
         expect(result.returncode == 0 and not result.stderr, f"a run is drawn {result.stderr}")
 
         def is_bar(picture):
-            red, _, blue = self.figures("colour", picture, 30, 78)
-            return red > 200 and blue < 60
+            _, green, blue = self.figures("colour", picture, 30, 78)
+            return green > 110 and blue < 100
         expect(is_bar(shot), "the panel has the bar of its progress")
         red, green, _ = self.figures("colour", shot, 820, 400)
         expect(red > 150 and green < 90, "the avatar so far stands to the right")

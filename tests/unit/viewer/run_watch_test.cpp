@@ -53,6 +53,7 @@ TEST(RunWatch, aRunThatStopsBeatingIsSilentAndComesBack) {
     watch.hear(told(5), 100 + RunWatch::kSilentS, 1040);
     EXPECT_EQ(watch.life(100 + RunWatch::kSilentS), Life::Running);
     EXPECT_EQ(watch.life(101 + RunWatch::kSilentS), Life::Silent);
+    EXPECT_EQ(watch.sentence(140).substr(0, 29), "Not heard of for 40 seconds. ");
     EXPECT_EQ(watch.sentence(400), "Not heard of for 5 minutes. If the run was killed, the same command goes on with it.");
     RunLook again = told(5);  // the first words of another process may have the same beat
     again.progress.startedUnixS = 1500;
