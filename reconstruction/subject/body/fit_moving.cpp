@@ -3,7 +3,6 @@
 // quickly, and pose the held-out frames between them.
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "reconstruction/subject/body/body_fitter.h"
 #include "reconstruction/subject/body/limb_depths.h"
