@@ -156,3 +156,15 @@ in_root() {
 doppel_version() { sed -n 's/^#define DPL_VERSION_TEXT "\([^"]*\)".*/\1/p' sdk/include/doppel/doppel.h; }
 
 finish_tests() { [ "$tests_passed" -gt 0 ] || { echo "no test ran" >&2; return 1; }; }
+
+# npm_package FOLDER NAME@VERSION: unpacks a package, without what it depends on, into a folder of build/web/npm.
+npm_package() {
+    local folder="build/web/npm/$1" work
+    [ -e "$folder/package.json" ] && return
+    work=$(mktemp -d)
+    (cd "$work" && npm pack --silent "$2" >/dev/null && tar -xzf ./*.tgz)
+    mkdir -p build/web/npm
+    rm -rf "$folder"
+    mv "$work/package" "$folder"
+    rm -rf "$work"
+}

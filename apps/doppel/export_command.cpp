@@ -6,8 +6,11 @@
 #include "apps/shared/pictures.h"
 #include "reconstruction/output/package/export_clip.h"
 #include "reconstruction/output/package/export_mesh.h"
+#include "reconstruction/output/package/export_skinned_splats.h"
+#include "reconstruction/output/package/mesh_atlas.h"
 #include "reconstruction/output/package/posed_splats.h"
 #include "reconstruction/run/progress.h"
+#include "sdk/core/numbers.h"
 
 namespace dpl {
 namespace {
@@ -39,13 +42,45 @@ int exportClip(const ExportOptions& options) {
     return kExitOk;
 }
 
+CLI::Validator isTextureSize() {
+    return CLI::Validator(
+        [](const std::string& text) {
+            uint32_t side = 0;
+            if (readNumber(text, side) && isTexturePx(side)) return std::string();
+            return formatText("'{}' is no power of two from {} to {}", text, kLeastTexturePx, kMostTexturePx);
+        },
+        "POWER OF TWO");
+}
+
+int exportTheMesh(const MeshExportOptions& options) {
+    Progress progress;
+    progress.beginStage("export");
+    ShownTask task(progress);
+    const TaskScope scope(&task);
+    auto line = exportMesh(options);
+    if (!line) return reportError(line.error());
+    progress.endStage("done");
+    std::printf("%s\n", line->c_str());
+    return kExitOk;
+}
+
+int exportSplatsOnMesh(const ExportOptions& options) {
+    auto lines = exportSkinnedSplats(options.avatar, options.out);
+    if (!lines) return reportError(lines.error());
+    std::printf("%s\n", lines->c_str());
+    return kExitOk;
+}
+
 }  // namespace
 
 void addExportCommand(CLI::App& app, CommandRun& run) {
     auto options = std::make_shared<ExportOptions>();
-    auto mesh = std::make_shared<bool>(false);
+    auto mesh = std::make_shared<bool>(false), skinnedSplats = std::make_shared<bool>(false);
+    auto meshOptions = std::make_shared<MeshExportOptions>();
     CLI::App* command = app.add_subcommand(
-        "export", "Write one posed frame as general splats for other viewers, or the skinned mesh, or convert general splats");
+        "export",
+        "Write one posed frame as general splats for other viewers, or the skinned mesh, with a texture or with its splats, or convert "
+        "general splats");
     command
         ->add_option("avatar", options->avatar,
                      "Avatar file (.glb), or general splats (.ply, compressed .ply, .spz, .glb with KHR_gaussian_splatting)")
@@ -56,14 +91,14 @@ void addExportCommand(CLI::App& app, CommandRun& run) {
                      "layout); with "
                      "--fps a folder")
         ->required()
-        ->check(isOutputFile({".glb", ".spz", ".ply"}, /*orFolder=*/true));
+        ->check(isOutputFile({".glb", ".spz", ".ply", ".vrm"}, /*orFolder=*/true));
     command->add_option("--input-axes", options->inputAxes, "The up axis of general splats, instead of the one that they state")
         ->check(CLI::IsMember(kAxesNames));
     command
-        ->add_option(
-            "--axes", options->axes,
-            "Axes of a .ply. y-down (default): half a turn about z, for SuperSplat and splat-transform; y-up: for three.js, Spark and "
-            "the PlayCanvas engine. The file states them")
+        ->add_option("--axes", options->axes,
+                     "Axes of a .ply. y-down (default): half a turn about z, for SuperSplat, splat-transform and Babylon.js; y-up: for "
+                     "three.js, Spark and "
+                     "the PlayCanvas engine. The file states them")
         ->check(CLI::IsMember({"y-down", "y-up"}));
     command->add_option("--spz-version", options->spzVersion, "Version of a .spz; 3 for older readers")
         ->check(CLI::IsMember({3, 4}))
@@ -81,32 +116,68 @@ void addExportCommand(CLI::App& app, CommandRun& run) {
         ->needs("--fps");
     command->add_option("--threads", options->threadCount, "CPU threads; 0: one for each core. The result is the same for any number")
         ->check(isWholeNumber(256));
+    auto* withMesh = command->add_flag("--mesh", *mesh,
+                                       "Write the skinned mesh without splats: texture, normals, skeleton and animations, for any glTF "
+                                       "viewer; with --clip that clip alone");
+    auto* withSkinned = command->add_flag("--skinned-splats", *skinnedSplats,
+                                          "Write the skinned mesh with the splats bound to it, by the open glTF extension "
+                                          "DPL_skinned_gaussian_splatting, for engines that pose splats themselves");
+    withSkinned->excludes(withMesh)->excludes("--clip");
+    for (const char* other : {"--axes", "--input-axes", "--spz-version", "--time", "--fps"})
+        withMesh->excludes(other), withSkinned->excludes(other);
     command
-        ->add_flag("--mesh", *mesh,
-                   "Write the mesh without splats, with normals, vertex colours, skeleton and the avatar's clips, for any glTF viewer")
-        ->excludes("--clip")
-        ->excludes("--axes")
-        ->excludes("--input-axes")
-        ->excludes("--spz-version");
+        ->add_option(
+            "--texture-size", meshOptions->texturePx,
+            formatText("With --mesh: side of the texture in pixels, a power of two from {} to {}", kLeastTexturePx, kMostTexturePx))
+        ->needs("--mesh")
+        ->check(isTextureSize())
+        ->capture_default_str();
+    command->add_option("--texture-format", meshOptions->textureFormat, "With --mesh: png, or jpg, which is smaller")
+        ->needs("--mesh")
+        ->check(CLI::IsMember({"png", "jpg"}))
+        ->capture_default_str();
+    command
+        ->add_option("--compress", meshOptions->compression,
+                     "With --mesh: draco makes the geometry a quarter, for viewers that know KHR_draco_mesh_compression; none: for all")
+        ->needs("--mesh")
+        ->check(CLI::IsMember({"none", "draco"}))
+        ->capture_default_str();
+    auto author = std::make_shared<std::string>();
+    auto vrm = std::make_shared<bool>(false);
+    auto* asVrm =
+        command
+            ->add_flag("--vrm", *vrm,
+                       "With --mesh: VRM 1.0 for programs that animate persons: T-pose, humanoid bones, the strictest permissions; no "
+                       "clips and no expressions")
+            ->needs("--mesh")
+            ->excludes("--clip")
+            ->excludes("--compress");
+    asVrm->needs(command->add_option("--author", *author, "With --vrm: who made the avatar and alone may use it")->needs("--vrm"));
     command->footer(
         "Examples:\n"
         "  doppel export ada/avatar.glb -o ada-splats.glb\n"
         "  doppel export ada/avatar.glb -o stride.glb --clip 02_01.bvh --time 0.8\n"
         "  doppel export ada/avatar.glb -o walk --clip 02_01.bvh --fps 30           (walk/00000.spz, walk/00001.spz ...)\n"
         "  doppel export ada/avatar.glb --mesh -o ada-mesh.glb\n"
+        "  doppel export ada/avatar.glb --mesh -o ada-walk.glb --clip 02_01.bvh --texture-format jpg\n"
+        "  doppel export ada/avatar.glb --skinned-splats -o ada-skinned.glb\n"
+        "  doppel export ada/avatar.glb --mesh --vrm --author \"Ada Byron\" -o ada.vrm\n"
         "  doppel export guitar.spz -o guitar.ply\n"
         "  doppel export guitar.ply -o guitar.spz --input-axes y-down\n"
         "The mesh is unlit (KHR_materials_unlit): its colours contain the light of the scan, and viewers show them as photographed.");
-    command->callback([options, mesh, &run] {
+    command->callback([options, mesh, skinnedSplats, meshOptions, vrm, author, &run] {
         if (options->fps > 0 && options->format.empty()) options->format = "spz";
         refuseInputAsOutput(options->out, {options->avatar, options->clip});
-        if (const std::string wrong = *mesh ? "" : wrongExport(*options); !wrong.empty()) throw CLI::ValidationError("--out", wrong);
-        run = [options, mesh] {
-            if (!*mesh) return options->fps > 0 ? exportClip(*options) : exportOneFrame(*options);
-            auto line = exportMesh(options->avatar, options->out);
-            if (!line) return reportError(line.error());
-            std::printf("%s\n", line->c_str());
-            return int(kExitOk);
+        if (*vrm) meshOptions->vrmAuthor = *author;
+        meshOptions->avatar = options->avatar, meshOptions->out = options->out;
+        meshOptions->clip = options->clip, meshOptions->animation = options->animation;
+        meshOptions->threadCount = options->threadCount;
+        const std::string wrong = *mesh ? wrongMeshExport(*meshOptions) : *skinnedSplats ? "" : wrongExport(*options);
+        if (!wrong.empty()) throw CLI::ValidationError("--out", wrong);
+        run = [options, mesh, skinnedSplats, meshOptions] {
+            if (*mesh) return exportTheMesh(*meshOptions);
+            if (*skinnedSplats) return exportSplatsOnMesh(*options);
+            return options->fps > 0 ? exportClip(*options) : exportOneFrame(*options);
         };
     });
 }

@@ -51,7 +51,7 @@ void addReconstructCommand(CLI::App& app, CommandRun& run) {
         "  doppel reconstruct scan -o ada --preset draft\n"
         "  doppel reconstruct polycam-export -o ada            (imported into ada/scan first; see doppel import --help)\n"
         "  doppel reconstruct orbit -o him     (pictures and cameras only: the networks of tools/models find the rest)\n"
-        "Ctrl-C or a kill loses at most one checkpoint interval; the same command continues.");
+        "Ctrl-C or a kill loses at most one checkpoint interval; the same command continues. doppel-viewer ada shows how far it is.");
     command->callback([options, talk, &run] {
         refuseInputAsOutput(options->out, {options->scan});
         run = [options, talk] {

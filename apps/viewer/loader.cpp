@@ -2,6 +2,7 @@
 #include "apps/viewer/loader.h"
 
 #include <chrono>
+#include <functional>
 
 #include "apps/shared/pictures.h"
 #include "apps/viewer/file_kind.h"
@@ -9,6 +10,11 @@
 #include "sdk/core/files.h"
 
 namespace dpl {
+namespace {
+
+constexpr std::chrono::seconds kLookEvery{1};  // into a watched run
+
+}  // namespace
 
 Loader::Loader(platform::Shell& shell, DplFill fill, std::string cacheFolder)
     : shell_(shell), fill_(fill), cacheFolder_(std::move(cacheFolder)), thread_([this] { run(); }) {}
@@ -36,6 +42,27 @@ void Loader::add(Task task) {
         tasks_.push_back(std::move(task));
     }
     changed_.notify_all();
+}
+
+void Loader::compare(CompareTask task) {
+    add({.path = {}, .compare = std::move(task)});
+}
+
+void Loader::list(std::filesystem::path folder) {
+    add({.path = {}, .list = std::move(folder)});
+}
+
+void Loader::loadSettings(std::filesystem::path file) {
+    add({.path = {}, .settingsFile = std::move(file)});
+}
+
+void Loader::save(std::filesystem::path file, ViewerSettings settings) {
+    add({.path = {}, .settingsFile = std::move(file), .save = std::move(settings)});
+}
+
+void Loader::stopWatching() {
+    std::lock_guard lock(mutex_);
+    stopWatching_ = true;
 }
 
 std::optional<DoppelOnShell> Loader::doppel() const {
@@ -70,21 +97,115 @@ Status Loader::makeContext() {
     return {};
 }
 
-/** Waits for the end of a load, which the window's frames upload. False: the loader is stopped. */
+/** Waits for the end of a load, which the window's frames upload. False: the loader is stopped. file: for atHand(); empty: says nothing. */
 bool Loader::ends(const doppel::Load& load, const std::string& file) {
     std::unique_lock lock(mutex_);
     while (!stop_) {
         const auto status = load.status();
         if (!status || status->state >= DPL_LOAD_READY) return true;
-        atHand_ = formatText("{} ({} %)", file, int(status->progress * 100));
+        if (!file.empty()) atHand_ = formatText("{} ({} %)", file, int(status->progress * 100));
         changed_.wait_for(lock, std::chrono::milliseconds(2));
     }
     return false;
 }
 
+Result<doppel::Avatar> Loader::loadAvatar(std::vector<uint8_t> bytes, const std::string& file) {
+    auto load = context_->startLoad(std::move(bytes));
+    if (!load) return fromSdk(load.error());
+    if (!ends(*load, file)) return fail(Code::Cancelled, "not loaded, because the viewer was closed");
+    auto avatar = load->finish();
+    if (!avatar) return fromSdk(avatar.error());
+    const auto info = avatar->info();
+    if (info && info->jointCount > 0) lastAvatar_ = avatar->handle();
+    return std::move(*avatar);
+}
+
+/** A look at the watched run, with its avatar if there is another one than before. */
+LoadedFile Loader::lookIntoRun(bool asked) {
+    LoadedFile out;
+    out.asked = asked;
+    out.file = run_->folder().filename().string();
+    out.run = run_->read();
+    if (out.run->avatar.empty()) return out;
+    auto bytes = readFile(out.run->avatar);
+    auto avatar = bytes ? loadAvatar(std::move(*bytes), asked ? out.file : "") : Result<doppel::Avatar>(bytes.error());
+    if (avatar) {
+        out.avatar = std::move(*avatar);
+        out.path = out.run->avatar, out.comparable = out.run->finished && hasScanFrames(run_->folder());
+        if (comparedFile_ == out.path) comparer_.reset();  // it has drawn the one of before
+    } else if (out.run->finished) {
+        out.error = out.file + ": " + avatar.error().message;
+    } else {  // the run replaces or removes it just now
+        run_->forgetAvatar();
+    }
+    return out;
+}
+
+LoadedFile Loader::listNow(const Task& task) {
+    LoadedFile out;
+    out.asked = false;
+    auto list = listFolder(task.list);
+    if (list) {
+        out.folder = std::move(*list);
+    } else {
+        out.error = list.error().message;
+        out.path = task.list;
+    }
+    return out;
+}
+
+LoadedFile Loader::settingsNow(const Task& task) {
+    LoadedFile out;
+    out.asked = false;
+    if (!task.save)
+        out.settings = readSettings(task.settingsFile);
+    else if (const Status written = writeSettings(task.settingsFile, *task.save); !written)
+        out.error = "settings are not kept: " + written.error().message, out.file = kSettings;
+    return out;
+}
+
+LoadedFile Loader::compareNow(const CompareTask& task) {
+    LoadedFile out;
+    out.file = task.file.filename().string();
+    ComparedNews& news = out.compared.emplace();
+    news.file = task.file, news.frame = task.frame;
+    if (!comparer_ || comparedFile_ != task.file || comparedScan_ != task.scan) {
+        comparer_.reset();
+        auto opened = Comparer::open(task.file.parent_path(), task.file, task.scan);
+        if (!opened) {
+            out.error = opened.error().message;
+            return out;
+        }
+        comparer_.emplace(std::move(*opened));
+        comparedFile_ = task.file, comparedScan_ = task.scan;
+    }
+    for (const ComparedFrame& frame : comparer_->frames()) {
+        if (!task.name.empty() && !news.named && frame.name.starts_with(task.name)) news.frame = news.frames.size(), news.named = true;
+        news.frames.push_back(frame.name + (frame.split == "train" ? ", trained on" : ", not trained on"));
+    }
+    if (!task.name.empty() && !news.named) {
+        out.error = formatText("{}: no frame is called {}", out.file, task.name);
+        return out;
+    }
+    auto pictures = comparer_->compare(news.frame);
+    if (pictures)
+        news.pictures = std::move(*pictures);
+    else
+        out.error = pictures.error().message;
+    return out;
+}
+
 LoadedFile Loader::loadOne(const Task& task) {
+    if (task.compare) return compareNow(*task.compare);
+    if (!task.list.empty()) return listNow(task);
+    if (!task.settingsFile.empty()) return settingsNow(task);
     LoadedFile out;
     out.file = std::filesystem::path(task.path).filename().string();
+    if (!task.sample) {
+        std::error_code error;
+        out.opened = std::filesystem::absolute(task.path, error).lexically_normal();
+        if (!out.opened.has_filename()) out.opened = out.opened.parent_path();  // OUT/
+    }
     const auto failed = [&](const std::string& why) {
         out.error = out.file + ": " + why;
         return std::move(out);
@@ -98,18 +219,28 @@ LoadedFile Loader::loadOne(const Task& task) {
         if (!made) return failed(made.error().message);
         path = *made;
     }
+    if (std::error_code error; std::filesystem::is_directory(path, error)) {
+        path = out.opened;
+        if (!isRunFolder(path)) {
+            if (!std::filesystem::is_regular_file(path / "scan.json", error))
+                return failed("this folder is neither a run of doppel reconstruct (progress.json, run.json) nor a scan (scan.json)");
+            out.scan = path;
+            return out;
+        }
+        run_.emplace(path);
+        LoadedFile look = lookIntoRun(true);
+        look.opened = path;
+        return look;
+    }
     auto bytes = readFile(path);
     if (!bytes) return failed(bytes.error().message);
     switch (fileKindOf(*bytes, path.string())) {
         case FileKind::Subject: {
-            auto load = context_->startLoad(std::move(*bytes));
-            if (!load) return failed(load.error().message);
-            if (!ends(*load, out.file)) return failed("not loaded, because the viewer was closed");
-            auto avatar = load->finish();
+            auto avatar = loadAvatar(std::move(*bytes), out.file);
             if (!avatar) return failed(avatar.error().message);
-            auto info = avatar->info();
-            if (info && info->jointCount > 0) lastAvatar_ = avatar->handle();
             out.avatar = std::move(*avatar);
+            std::error_code error;
+            out.path = std::filesystem::absolute(path, error), out.comparable = hasScanFrames(out.path.parent_path());
             return out;
         }
         case FileKind::Motion: {
@@ -136,24 +267,34 @@ void Loader::run() {
     if (const Status made = makeContext(); !made) broken = made.error().message;
     std::unique_lock lock(mutex_);
     if (!broken.empty()) done_.push_back({.error = broken});
+    const auto guarded = [](const std::string& file, const std::function<LoadedFile()>& work) {
+        try {
+            return work();
+        } catch (const std::bad_alloc&) {
+            return LoadedFile{.file = file, .error = file + ": out of memory; close other programs"};
+        }
+    };
     while (true) {
         atHand_.clear();
-        changed_.wait(lock, [&] { return stop_ || !tasks_.empty(); });
+        const bool due = !changed_.wait_for(lock, kLookEvery, [&] { return stop_ || !tasks_.empty(); });
         if (stop_) return;
-        const Task task = std::move(tasks_.front());
-        tasks_.pop_front();
-        atHand_ = std::filesystem::path(task.path).filename().string();
-        lock.unlock();
+        if (std::exchange(stopWatching_, false)) run_.reset();
         LoadedFile loaded;
-        loaded.file = atHand();
-        if (!broken.empty()) {
-            loaded.error = loaded.file + ": not loaded, because avatars cannot be drawn here: " + broken;
+        if (due) {
+            if (!run_) continue;
+            lock.unlock();
+            loaded = guarded(run_->folder().filename().string(), [&] { return lookIntoRun(false); });
+            loaded.asked = false;
         } else {
-            try {
-                loaded = loadOne(task);
-            } catch (const std::bad_alloc&) {
-                loaded.error = loaded.file + ": out of memory; close other programs";
-            }
+            const Task task = std::move(tasks_.front());
+            tasks_.pop_front();
+            atHand_ = std::filesystem::path(task.path).filename().string();
+            const std::string file = task.compare ? task.compare->file.filename().string() : atHand_;
+            lock.unlock();
+            if (broken.empty() || !task.list.empty() || !task.settingsFile.empty())
+                loaded = guarded(file, [&] { return loadOne(task); });
+            else
+                loaded = {.file = file, .error = file + ": not loaded, because avatars cannot be drawn here: " + broken};
         }
         lock.lock();
         done_.push_back(std::move(loaded));

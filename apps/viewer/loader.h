@@ -9,17 +9,49 @@
 #include <mutex>
 #include <thread>
 
+#include "apps/viewer/comparer.h"
+#include "apps/viewer/folder_list.h"
+#include "apps/viewer/run_reader.h"
+#include "apps/viewer/settings.h"
 #include "platform/desktop/shell.h"
 #include "sdk/core/result.h"
 
 namespace dpl {
 
-/** What became of one file. */
+/** A frame that is to be compared with an avatar of the run in whose folder the avatar's file is. */
+struct CompareTask {
+    std::filesystem::path file, scan;  // scan: where the pictures are; empty: where the run says
+    size_t frame = 0;
+    std::string name;  // if not empty: the frame whose name begins so, instead
+};
+
+/** What became of it. */
+struct ComparedNews {
+    std::filesystem::path file;
+    std::vector<std::string> frames;  // for people; empty: it is no avatar with frames
+    size_t frame = 0;
+    bool named = false;  // the task named it
+    ComparedPictures pictures;
+};
+
+/** LoadedFile::file where settings could not be written. */
+constexpr const char* kSettings = "settings";
+
+/** What became of one file, or what a watched run told. */
 struct LoadedFile {
     std::string file;                      // without folders; empty: not a file, but the context
-    std::optional<doppel::Avatar> avatar;  // a new avatar, or general splats
+    std::optional<doppel::Avatar> avatar;  // a new avatar, or general splats; of a run: in place of that of before
     DplAvatar clipOf = nullptr;            // the avatar that got a new clip
-    std::string error;                     // a sentence, if neither
+    std::filesystem::path opened;          // the file or folder that was asked for, absolute
+    std::filesystem::path path;            // of the avatar's file
+    bool comparable = false;               // its folder has cameras and poses of its scan
+    std::filesystem::path scan;            // the file is the folder of a scan
+    std::optional<ComparedNews> compared;  // `error` says why there are no pictures
+    std::optional<FolderList> folder;      // what it holds; nobody has asked for a file
+    std::optional<ViewerSettings> settings;
+    std::optional<RunReader::News> run;  // of the run in the folder `file`, where nobody has asked for a file
+    bool asked = true;                   // it answers load() or loadSample()
+    std::string error;                   // a sentence, if none of these but `compared`
 };
 
 /** The context and the composer for the shell's window. */
@@ -37,8 +69,18 @@ public:
     Loader(const Loader&) = delete;
     Loader& operator=(const Loader&) = delete;
 
-    /** A motion is loaded onto `motionOf`; if that is NULL, onto the avatar that was loaded last. */
+    /** A motion is loaded onto `motionOf`; if that is NULL, onto the avatar that was loaded last. The folder of a run is watched from then
+     *  on, in place of another one: it is looked into every second between files. */
     void load(std::string path, DplAvatar motionOf);
+    /** Draws a frame of a scan, and reads its frames before if the avatar or scan is another one than before. */
+    void compare(CompareTask task);
+    /** Lists a folder. One that cannot be listed is an error, with the folder as `path`. */
+    void list(std::filesystem::path folder);
+    void loadSettings(std::filesystem::path file);
+    /** Writes settings. */
+    void save(std::filesystem::path file, ViewerSettings settings);
+    /** No run is watched any more. */
+    void stopWatching();
     /** Loads the built-in sample avatar. The program `doppel` makes it the first time, which takes seconds. */
     void loadSample();
 
@@ -54,18 +96,29 @@ private:
         std::string path;
         DplAvatar motionOf = nullptr;
         bool sample = false;
+        std::optional<CompareTask> compare;
+        std::filesystem::path list, settingsFile;
+        std::optional<ViewerSettings> save;
     };
     void run();
     Status makeContext();
     void add(Task task);
     LoadedFile loadOne(const Task& task);
+    LoadedFile lookIntoRun(bool asked);
+    LoadedFile listNow(const Task& task);
+    LoadedFile settingsNow(const Task& task);
+    LoadedFile compareNow(const CompareTask& task);
+    Result<doppel::Avatar> loadAvatar(std::vector<uint8_t> bytes, const std::string& file);
     bool ends(const doppel::Load& load, const std::string& file);
 
     platform::Shell& shell_;
     const DplFill fill_;
     const std::string cacheFolder_;
     std::optional<doppel::Context> context_;  // written by the thread before ready_
-    DplAvatar lastAvatar_ = nullptr;          // only the thread uses it
+    DplAvatar lastAvatar_ = nullptr;          // only the thread uses it, as the next
+    std::optional<RunReader> run_;
+    std::optional<Comparer> comparer_;
+    std::filesystem::path comparedFile_, comparedScan_;  // of comparer_
 
     mutable std::mutex mutex_;
     std::condition_variable changed_;
@@ -73,6 +126,7 @@ private:
     std::vector<LoadedFile> done_;
     std::optional<DoppelOnShell> ready_;
     std::string atHand_ = "the renderer";
+    bool stopWatching_ = false;
     std::atomic<bool> stop_{false};
     std::thread thread_;  // last: it uses all of the above
 };

@@ -10,12 +10,16 @@ namespace dpl {
 std::optional<ViewerOptions> readOptions(int argc, const char* const* argv, int* exitCode) {
     ViewerOptions options;
     std::string size = "1280x800";
-    CLI::App app{"Shows avatars and splats in a window. Drop files on it: avatars (.glb), splats (.ply, .spz, .glb), motions (.bvh, .glb).",
-                 "doppel-viewer"};
+    CLI::App app{
+        "Shows avatars and splats in a window. Drop files on it: avatars (.glb), splats (.ply, .spz, .glb), motions (.bvh, .glb), "
+        "the folder of a doppel reconstruct.",
+        "doppel-viewer"};
     app.set_version_flag("--version", "doppel-viewer " DOPPEL_VERSION);
-    app.add_option("files", options.files, "Avatars, splats and motions. A motion goes to the avatar before it");
+    app.add_option("files", options.files,
+                   "Avatars, splats, motions, and the output folder of a reconstruction to watch. A motion goes to the avatar before it");
     app.add_option("--clip", options.clip, "Clip that the avatars play: a name from the file, or a motion file");
     app.add_option("--animation", options.animation, kAnimationHelp)->needs("--clip");
+    app.add_option("--compare", options.compare, "Compare the avatar of a run with the frame of its scan whose name begins so");
     app.add_option("--room", options.room, "auto: dark with avatars, none with splats alone")
         ->check(CLI::IsMember({"auto", "dark", "bright", "none"}))
         ->capture_default_str();
@@ -41,6 +45,8 @@ std::optional<ViewerOptions> readOptions(int argc, const char* const* argv, int*
         "Examples:\n"
         "  doppel-viewer ada/avatar.glb walk.bvh\n"
         "  doppel-viewer ada.glb walk.bvh bob.glb run.bvh          two avatars, a motion for each\n"
+        "  doppel-viewer OUT                                       watches doppel reconstruct SCAN -o OUT\n"
+        "  doppel-viewer OUT --compare full_003                     the avatar beside a photograph of its scan\n"
         "  doppel-viewer guitar.ply --axes y-down --room none\n"
         "  doppel-viewer ada.glb --clip walk --screenshot ada.png --size 1280x800 --frames 30 --room bright --hide-panels\n"
         "  doppel-viewer ada.glb --turntable ada.mp4\n"

@@ -13,6 +13,7 @@ namespace dpl {
 
 struct ViewerOptions {
     std::vector<std::string> files;
+    std::string compare;                                              // name of a frame, or how it begins
     std::string clip, animation, room = "auto", axes, fill = "auto";  // axes: empty: as the files state
     PictureSize size{1280, 800};
     double azimuthDeg = 0;

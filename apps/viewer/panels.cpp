@@ -7,11 +7,16 @@
 #include <cfloat>
 
 #include "apps/shared/pictures.h"
+#include "apps/viewer/compare_panel.h"
+#include "apps/viewer/open_panel.h"
+#include "apps/viewer/run_panel.h"
 
 namespace dpl {
 namespace {
 
 constexpr float kLeftWidth = 292, kRightWidth = 268, kGap = 12, kTimelineHeight = 46, kWidestTimeline = 760;
+constexpr float kFarthestM = 5;       // that a subject is moved
+constexpr size_t kRecentAtStart = 5;  // of what was opened lately
 const ImVec4 kError{1.0f, 0.52f, 0.45f, 1}, kQuiet{0.62f, 0.66f, 0.72f, 1};
 
 /** Opens a panel at a corner that grows with its content as far as the window allows. */
@@ -41,6 +46,8 @@ void subjectList(ViewerState& state) {
         ImGui::TextWrapped("Drop an avatar (.glb) or splats (.ply, .spz, .glb) on the window.");
         if (ImGui::Button("Load the sample", {-1, 0})) state.wantsSample = true;
         if (ImGui::IsItemHovered()) ImGui::SetTooltip("An avatar that comes with Doppel; it is made the first time, in seconds");
+        if (!state.settings.recent.empty()) quiet("Opened lately");
+        drawRecent(state, kRecentAtStart);
     }
     for (size_t i = 0; i < state.subjects.size(); ++i) {
         const ViewedSubject& subject = state.subjects[i];
@@ -59,6 +66,8 @@ void subjectList(ViewerState& state) {
     if (const ViewedSubject* chosen = state.chosen())
         quiet(chosen->isAvatar() ? "%.0f splats, %.0f joints" : "%.0f splats", chosen->info.splatCount, double(chosen->joints.size()));
     if (!state.atHand.empty()) ImGui::TextWrapped("Loading %s ...", state.atHand.c_str());
+    if (ImGui::Button("Open ...", {-1, 0})) state.wantsOpenWindow = true;
+    if (ImGui::IsItemHovered()) ImGui::SetTooltip("The key O does it too");
 }
 
 void clipControls(ViewerState& state, ViewedSubject& subject) {
@@ -86,7 +95,7 @@ void clipControls(ViewerState& state, ViewedSubject& subject) {
 /** Play, time, loop and speed of all clips; the length is that of the chosen avatar's. */
 void timeline(ViewerState& state, float width, float height) {
     const ViewedSubject* chosen = state.chosen();
-    if (!chosen || !chosen->clip) return;
+    if (!chosen || !chosen->clip || state.compared) return;
     const FreeSpan free = freeSpan(state, width);
     const float wide = std::min(kWidestTimeline, free.right - free.left - 2 * kGap);
     ImGui::SetNextWindowPos({0.5f * (free.left + free.right), height - kGap}, ImGuiCond_Always, {0.5f, 1});
@@ -146,7 +155,11 @@ void pictureControls(ViewerState& state) {
     changed |= ImGui::RadioButton("bright", &room, 1);
     ImGui::SameLine();
     changed |= ImGui::RadioButton("no room", &room, 2);
-    if (changed) state.room = room == 2 ? std::nullopt : std::optional(room == 1 ? platform::RoomLight::Bright : platform::RoomLight::Dark);
+    if (changed)
+        state.settings.room = room == 2   ? "none"
+                              : room == 1 ? "bright"
+                                          : "dark",
+        state.room = room == 2 ? std::nullopt : std::optional(room == 1 ? platform::RoomLight::Bright : platform::RoomLight::Dark);
     if (std::any_of(state.subjects.begin(), state.subjects.end(), [](const ViewedSubject& s) { return !s.isAvatar(); }))
         if (ImGui::BeginCombo("##axes", state.axes.empty() ? "files stand as they state" : ("files are " + state.axes).c_str())) {
             if (ImGui::Selectable("as they state", state.axes.empty())) state.axes.clear(), state.wantsFrame = true;
@@ -220,17 +233,65 @@ void timings(const ViewerState& state) {
 
 }  // namespace
 
-FreeSpan freeSpan(const ViewerState& state, float width) {
+namespace {
+
+/** Between the panels. */
+FreeSpan betweenPanels(const ViewerState& state, float width) {
     constexpr float kLeft = kLeftWidth + kGap, kRight = kRightWidth + kGap;
     if (!state.panels || width < 2 * (kLeft + kRight)) return {0, width};
     return {kLeft, width - kRight};
 }
 
+}  // namespace
+
+FreeSpan heldBackSpan(const ViewerState& state, float width) {
+    constexpr float kLeastWidth = 400;  // of both
+    const FreeSpan free = betweenPanels(state, width);
+    if (state.compared) return {};
+    const bool belowPanels = state.panels && free.left == 0;
+    if (!state.run || state.run->heldBack.id == 0 || belowPanels || free.right - free.left < kLeastWidth) return {};
+    return {free.left + kHeldBackMargin, 0.5f * (free.left + free.right) - kHeldBackMargin / 2};
+}
+
+FreeSpan freeSpan(const ViewerState& state, float width) {
+    const FreeSpan free = betweenPanels(state, width), heldBack = heldBackSpan(state, width);
+    return heldBack.left < heldBack.right ? FreeSpan{heldBack.right, free.right} : free;
+}
+
 void drawPanels(ViewerState& state, float width, float height) {
-    beginPanel("Avatars", kGap, kGap, kLeftWidth, height - 2 * kGap);
+    float top = kGap;
+    if (state.compared) {
+        beginPanel("Compare", kGap, top, kLeftWidth, height - 2 * kGap);
+        drawComparison(state);
+        top += endPanel() + kGap;
+    }
+    if (state.run) {
+        beginPanel(("Run: " + state.run->watch.name() + "###run").c_str(), kGap, top, kLeftWidth, height - 2 * kGap);
+        const FreeSpan heldBack = heldBackSpan(state, width);
+        drawRun(state, heldBack.left < heldBack.right);
+        top += endPanel() + kGap;
+    }
+    beginPanel("Avatars", kGap, top, kLeftWidth, height - top - kGap);
     subjectList(state);
-    if (ViewedSubject* subject = state.chosen(); subject && subject->isAvatar()) {
+    if (ViewedSubject* subject = state.chosen(); subject) {
         ImGui::SliderFloat("##turned", &subject->turnedDeg, -180, 180, "turned by %.0f°", ImGuiSliderFlags_AlwaysClamp);
+        ImGui::PushItemWidth((ImGui::GetContentRegionAvail().x - ImGui::GetStyle().ItemSpacing.x) / 2);
+        for (int axis = 0; axis < 2; ++axis) {
+            if (axis == 1) ImGui::SameLine();
+            ImGui::PushID(axis);
+            ImGui::DragFloat("##moved", &subject->movedM[axis], 0.01f, -kFarthestM, kFarthestM, axis == 0 ? "right %.2f m" : "front %.2f m",
+                             ImGuiSliderFlags_AlwaysClamp);
+            if (ImGui::IsItemHovered()) ImGui::SetTooltip("Moved by hand: drag sideways, or double click to type");
+            if (ImGui::IsItemDeactivatedAfterEdit()) state.wantsRoom = true;
+            ImGui::PopID();
+        }
+        ImGui::PopItemWidth();
+    }
+    if (ViewedSubject* subject = state.chosen(); subject && subject->isAvatar()) {
+        if (subject->comparable && !state.compared) {
+            if (ImGui::Button("Compare with its pictures", {-1, 0})) state.wantsCompare = true;
+            if (ImGui::IsItemHovered()) ImGui::SetTooltip("The photographs of its scan over or beside it, and what differs");
+        }
         if (ImGui::CollapsingHeader("Clip", ImGuiTreeNodeFlags_DefaultOpen)) clipControls(state, *subject);
         if (ImGui::CollapsingHeader("Joints by hand")) jointList(*subject);
     }
@@ -257,6 +318,8 @@ void drawHelp(ViewerState& state, float width, float height) {
         {"double click", "turn around this place, from nearer"},
         {"1  2  3", "body, face, one hand, then the other"},
         {"F", "show everything"},
+        {"O", "open a file"},
+        {"left, right", "the next photograph, while comparing"},
         {"space", "play, pause"},
         {"H", "hide or show the panels"},
         {"P", "save a picture without panels"},

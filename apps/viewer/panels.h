@@ -21,4 +21,8 @@ struct FreeSpan {
 };
 FreeSpan freeSpan(const ViewerState& state, float width);
 
+/** What a held-back picture of a watched run has of that, to the left of the avatars. Empty: there is none, or no room for both. */
+FreeSpan heldBackSpan(const ViewerState& state, float width);
+constexpr float kHeldBackMargin = 24;
+
 }  // namespace dpl

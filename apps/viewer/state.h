@@ -4,10 +4,14 @@
 
 #include <map>
 
+#include "apps/viewer/comparison.h"
 #include "apps/viewer/focus.h"
+#include "apps/viewer/folder_list.h"
 #include "apps/viewer/messages.h"
 #include "apps/viewer/orbit_camera.h"
 #include "apps/viewer/playback.h"
+#include "apps/viewer/run_watch.h"
+#include "apps/viewer/settings.h"
 #include "apps/viewer/subject.h"
 #include "platform/common/room_mesh.h"
 
@@ -18,6 +22,40 @@ struct Figures {
     DplFrameStats stats{};
     std::vector<std::pair<std::string, double>> passesMs;  // rounds of a pass added up
     double framesPerSecond = 0;
+};
+
+/** A picture in the window. */
+struct ShownPicture {
+    uint32_t id = 0;  // of Shell::addPicture; 0: none
+    uint32_t widthPx = 0, heightPx = 0;
+};
+
+/** The run that is watched. */
+struct WatchedRun {
+    RunWatch watch;
+    DplAvatar avatar = nullptr;  // the subject that shows it; NULL: there is none yet
+    bool finished = false;       // that is the finished avatar
+    bool turns = true;           // slowly, until it is finished
+    ShownPicture heldBack;
+    std::string heldBackFrame;
+};
+
+/** The avatar that is compared with the photographs of its scan. */
+struct ComparedAvatar {
+    DplAvatar avatar = nullptr;
+    std::filesystem::path file, scan;  // as in CompareTask
+    std::string firstFrame;            // its name; empty: any
+    Comparison comparison;
+    ShownPicture photo, drawn, error;  // of the frame that was drawn last
+    double db = 0;
+    bool masked = false;
+    std::string problem;  // why that frame has no pictures, or ""
+};
+
+/** The window that chooses a file. */
+struct OpenWindow {
+    FolderList list;
+    bool waits = true;  // for another list
 };
 
 struct ViewerState {
@@ -31,17 +69,30 @@ struct ViewerState {
     float magnification = 8;                      // of the scan's finest details, at most; 0: no limit
     bool keptAway = false;                        // the limit holds the camera back in this frame
     bool panels = true, help = false;
+    std::optional<WatchedRun> run;
+    std::optional<ComparedAvatar> compared;
+    std::optional<OpenWindow> open;
+    ViewerSettings settings;
+    double nowS = 0;  // the viewer's clock in this frame
     Messages messages;
     Figures figures;
     std::string rendererName, atHand;  // atHand: what is being loaded, or ""
 
     // Wishes of the user, which the viewer fulfils and takes back.
     bool wantsScreenshot = false, wantsTurntable = false, wantsFrame = false;
-    bool wantsSample = false;
+    bool wantsSample = false, wantsOpenWindow = false, wantsRoom = false,
+         wantsKeptRoom = false;                          // wantsRoom: it is to be built anew around the subjects
+    std::optional<std::string> wantsOpen, wantsFolder;   // a file; a folder to be listed
+    bool wantsCompare = false, wantsCompareEnd = false;  // of the selected avatar, which is comparable
     std::optional<size_t> wantsRemoval;
     std::optional<SeenPart> wantsPart;                 // of the selected avatar, to be seen from near
     std::optional<std::optional<uint32_t>> wantsClip;  // for the selected avatar; within: nothing is the rest pose
 
+    ViewedSubject* subjectOf(DplAvatar avatar) {
+        for (ViewedSubject& subject : subjects)
+            if (avatar && subject.avatar.handle() == avatar) return &subject;
+        return nullptr;
+    }
     ViewedSubject* chosen() { return selected < subjects.size() ? &subjects[selected] : nullptr; }
 };
 

@@ -80,7 +80,9 @@ Mat3d ViewedSubject::stand() const {
 }
 
 Status ViewedSubject::pose(const Playback& clock, double nowS) {
-    if (auto set = avatar.setTransform(standing(stand(), asideM)); !set) return fromSdk(set.error());
+    std::array<float, 12> rows = standing(stand(), place().x);
+    rows[11] = float(place().z);
+    if (auto set = avatar.setTransform(rows); !set) return fromSdk(set.error());
     if (!isAvatar()) return {};
     if (auto set = avatar.setClothStiffness(clothStiffness); !set) return fromSdk(set.error());
     float root[3] = {};
@@ -107,7 +109,7 @@ WorldBox ViewedSubject::box() const {
     for (uint32_t corner = 0; corner < 8; ++corner) {
         Vec3d at;
         for (int k = 0; k < 3; ++k) at[k] = corner >> k & 1 ? info.restMax[k] : info.restMin[k];
-        at = Vec3d(asideM, 0, 0) + turn * at;
+        at = place() + turn * at;
         box = {glm::min(box.low, at), glm::max(box.high, at)};
     }
     return box;

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <doppel/doppel.hpp>
+#include <filesystem>
 
 #include "apps/viewer/joint_regions.h"
 #include "apps/viewer/orbit_camera.h"
@@ -27,9 +28,11 @@ struct ViewedSubject {
     Status takeNewClip();
     /** Plays another clip, or the rest pose, from nowS on. Two clips cross-fade. */
     void play(std::optional<uint32_t> other, double nowS);
-    /** Stands it upright, turned and moved aside, then poses it: the clip at the time that the clock says, and the angles on top. General
+    /** Stands it upright, turned and moved, then poses it: the clip at the time that the clock says, and the angles on top. General
      *  splats have no pose. nowS: seconds of any clock that never goes back, for cross-fades. */
     Status pose(const Playback& clock, double nowS);
+    /** Where it stands, world, metres. */
+    Vec3d place() const { return {asideM + movedM.x, 0, movedM.y}; }
     /** Around its rest box as it stands, in the world. */
     WorldBox box() const;
     /** How near an eye may come to `point` before it magnifies what the scan saw more than so many times (dplGetNearestDistance), metres.
@@ -37,7 +40,9 @@ struct ViewedSubject {
     double nearestM(const Vec3d& point, const Vec3d& eye, double focalPx, double magnification) const;
 
     doppel::Avatar avatar;
-    std::string file;  // without folders
+    std::string file;            // without folders
+    std::filesystem::path path;  // of it, absolute; empty: the subject has no file of its own
+    bool comparable = false;     // its folder has cameras and poses of its scan
     DplAvatarInfo info{};
     DplFileAxes axes{};  // of its file
     std::vector<Clip> clips;
@@ -48,6 +53,7 @@ struct ViewedSubject {
     float clothStiffness = 1;         // of dplSetClothStiffness
     bool shown = true;
     double asideM = 0;    // along +X of the world
+    Vec2f movedM{0};      // by hand, along +X and +Z of the world
     float turnedDeg = 0;  // about the vertical: a quarter turn takes +Z to +X
     Mat3d upright{1};     // world from avatar space: a quarter turn
 

@@ -9,14 +9,17 @@
 #include <numbers>
 
 #include "apps/shared/pictures.h"
+#include "apps/viewer/compared_avatar.h"
+#include "apps/viewer/open_panel.h"
 #include "apps/viewer/room_plan.h"
+#include "apps/viewer/watched_run.h"
 #include "reconstruction/base/sdk_camera.h"
 
 namespace dpl {
 namespace {
 
 constexpr double kScriptStepS = 1.0 / 30;
-constexpr int kF1 = 290;  // GLFW's code
+constexpr int kF1 = 290, kRight = 262, kLeft = 263, kEscape = 256;  // GLFW's codes
 
 /** Where self-tests of drivers are kept between runs; empty if there is no such folder. */
 std::string cacheFolder() {
@@ -87,6 +90,7 @@ void Viewer::report(const std::string& problem) {
 }
 
 Status Viewer::frame() {
+    state_.nowS = nowS();
     if (loader_) takeFiles();
     takeInput();
     fulfilWishes();
@@ -96,7 +100,10 @@ Status Viewer::frame() {
     const bool panels = state_.panels && !turntable_ && screenshot_.empty();
     state_.messages.tick(nowS());
     if (panels) drawPanels(state_, size.x, size.y);
-    if (!turntable_ && screenshot_.empty()) drawHelp(state_, size.x, size.y);
+    if (!turntable_ && screenshot_.empty()) {
+        drawHelp(state_, size.x, size.y);
+        drawOpen(state_, size.x, size.y);
+    }
     drawMessages(state_, size.x, size.y);
 
     platform::FrameContents what = contents();
@@ -128,6 +135,17 @@ platform::FrameContents Viewer::contents() {
     what.view = sdkCamera(cameraNow().cast<float>());
     what.room = state_.room;
     if (const auto doppel = loader_ ? loader_->doppel() : std::nullopt) what.context = doppel->context, what.composer = doppel->composer;
+    const ImVec2 size = ImGui::GetIO().DisplaySize;
+    if (state_.compared) {
+        what.room.reset();
+        for (platform::PlacedPicture placed : placesOfComparison(state_, size.x, size.y).pictures) {
+            for (float* edge : {&placed.left, &placed.top, &placed.right, &placed.bottom})
+                *edge *= ImGui::GetIO().DisplayFramebufferScale.x;
+            what.pictures.push_back(placed);
+        }
+        return what;
+    }
+    if (!turntable_ && screenshot_.empty()) what.pictures = picturesOfRun(state_, size.x, size.y, ImGui::GetIO().DisplayFramebufferScale.x);
     for (const ViewedSubject& subject : state_.subjects) {
         if (!subject.shown) continue;
         what.avatars.push_back(subject.avatar.handle());
@@ -157,11 +175,20 @@ void Viewer::takeFiles() {
             if (dplGetRendererName(doppel->context, &name) == DPL_OK) state_.rendererName = name;
         }
     for (LoadedFile& file : loader_->take()) {
-        if (!file.file.empty()) --waitingFor_;
-        if (!file.error.empty()) {
+        if (opened_.take(state_, file, nowS())) continue;
+        opened_.remember(state_, file);
+        if (!file.file.empty() && file.asked) --waitingFor_;
+        if (file.compared) {
+            if (const Status taken = takeCompared(state_, *shell_, std::move(file)); !taken) report(taken.error().message);
+            if (options_.isScript() && state_.compared && !state_.compared->problem.empty()) report(state_.compared->problem);
+        } else if (!file.error.empty()) {
             report(file.error);
+        } else if (!file.scan.empty()) {
+            if (const Status begun = beginComparing(state_, *shell_, file.scan, {}); !begun) report(begun.error().message);
+        } else if (file.run) {
+            if (const Status taken = takeRunNews(state_, *shell_, std::move(file)); !taken) report(taken.error().message);
         } else if (file.avatar) {
-            addSubject(std::move(*file.avatar), file.file);
+            addSubject(std::move(file));
             timings_.mark("first file loaded");
         } else {
             for (ViewedSubject& subject : state_.subjects)
@@ -172,12 +199,14 @@ void Viewer::takeFiles() {
     state_.atHand = loader_->atHand();
 }
 
-void Viewer::addSubject(doppel::Avatar avatar, const std::string& file) {
+void Viewer::addSubject(LoadedFile loaded) {
+    const std::string& file = loaded.file;
     if (state_.subjects.size() == DPL_MAX_TOGETHER)
         return report(
             formatText("{}: not shown; at most {} avatars and splats can be drawn together. Remove one first", file, DPL_MAX_TOGETHER));
-    auto made = ViewedSubject::of(std::move(avatar), file);
+    auto made = ViewedSubject::of(std::move(*loaded.avatar), file);
     if (!made) return report(file + ": " + made.error().message);
+    made->path = loaded.path, made->comparable = loaded.comparable;
     if (!options_.clip.empty() && made->isAvatar()) {
         const auto clip = chooseClip(made->avatar, options_.clip, options_.animation);
         if (!clip) return report(clip.error().message);
@@ -186,7 +215,7 @@ void Viewer::addSubject(doppel::Avatar avatar, const std::string& file) {
     }
     if (!made->axes.stated && state_.axes.empty())
         state_.messages.info(file + ": no up axis stated; if it stands wrong, choose another under Picture", nowS());
-    if (state_.subjects.empty() && options_.room == "auto" && !made->isAvatar()) state_.room.reset();
+    if (state_.subjects.empty() && options_.room == "auto" && state_.settings.room.empty() && !made->isAvatar()) state_.room.reset();
     state_.subjects.push_back(std::move(*made));
     state_.selected = state_.subjects.size() - 1;
     state_.wantsFrame = true;
@@ -197,6 +226,7 @@ void Viewer::takeInput() {
     if (options_.isScript()) return;
     for (const int key : shell_->takeKeys()) takeKey(key);
     if (io.WantCaptureMouse || io.DisplaySize.y <= 0) return;
+    if (state_.compared) return dragWipe();
     const auto drags = [&io](int button) {  // ImGui may tell of the last movement and of the release in one frame
         return (io.MouseDown[button] || io.MouseReleased[button]) && !io.MouseDownOwned[button];
     };
@@ -210,9 +240,18 @@ void Viewer::takeInput() {
     if (io.MouseDoubleClicked[0]) focusOn(io.MousePos.x, io.MousePos.y);
 }
 
+/** Dragging moves the line between photograph and avatar. */
+void Viewer::dragWipe() {
+    const ImGuiIO& io = ImGui::GetIO();
+    const ComparedPlaces places = placesOfComparison(state_, io.DisplaySize.x, io.DisplaySize.y);
+    if (io.MouseDown[0] && !io.MouseDownOwned[0] && places.right > places.left)
+        state_.compared->comparison.wipe = std::clamp((io.MousePos.x - places.left) / (places.right - places.left), 0.0f, 1.0f);
+}
+
 void Viewer::takeKey(int key) {  // GLFW's codes of letters and digits are those of ASCII
     if (key == ' ') state_.playback.playing = !state_.playback.playing;
     if (key == 'F') state_.wantsFrame = true;
+    if (key == 'O') state_.wantsOpenWindow = true;
     if (key == 'H') state_.panels = !state_.panels;
     if (key == 'P') state_.wantsScreenshot = true;
     if (key == '1') state_.wantsPart = SeenPart::Whole;
@@ -222,6 +261,10 @@ void Viewer::takeKey(int key) {  // GLFW's codes of letters and digits are those
         rightHand_ = !rightHand_;
     }
     if (key == kF1) state_.help = !state_.help;
+    if (state_.compared && key == kLeft) state_.compared->comparison.step(-1);
+    if (state_.compared && key == kRight) state_.compared->comparison.step(1);
+    if (key == kEscape && !state_.open) state_.wantsCompareEnd = true;
+    if (key == kEscape) state_.open.reset();
 }
 
 /** Turns around what is seen there from now on, and selects whose it is. x, y: in ImGui's coordinates. */
@@ -245,6 +288,10 @@ void Viewer::startTurntable(std::filesystem::path path) {
 
 void Viewer::fulfilWishes() {
     if (state_.wantsRemoval && *state_.wantsRemoval < state_.subjects.size()) {
+        if (state_.run && state_.subjects[*state_.wantsRemoval].avatar.handle() == state_.run->avatar) {
+            dropRun(state_, *shell_);
+            loader_->stopWatching();
+        }
         state_.subjects.erase(state_.subjects.begin() + ptrdiff_t(*state_.wantsRemoval));
         state_.wantsFrame = true;
         if (state_.selected > 0 && state_.selected >= *state_.wantsRemoval) --state_.selected;
@@ -258,11 +305,21 @@ void Viewer::fulfilWishes() {
                 state_.messages.info(chosen->file + " has no joint that is known as this part of a body", nowS());
         }
     }
+    if (state_.compared && !state_.subjectOf(state_.compared->avatar)) state_.wantsCompareEnd = true;  // it was removed, or replaced
+    if (state_.wantsCompareEnd) endComparing(state_, *shell_);
+    const bool first = !options_.compare.empty() && !comparedFirst_ && state_.chosen() && state_.chosen()->comparable;
+    if (state_.wantsCompare || first)
+        if (const Status begun = beginComparing(state_, *shell_, {}, first ? options_.compare : ""); !begun) report(begun.error().message);
+    comparedFirst_ |= first;
+    if (auto task = comparisonToDraw(state_)) loader_->compare(std::move(*task)), ++waitingFor_;
+    if (loader_) waitingFor_ += opened_.fulfil(state_, *loader_);
+    if (std::exchange(state_.wantsKeptRoom, false) && options_.room == "auto" && !state_.settings.room.empty())
+        state_.room = roomOf(state_.settings.room);
     if (state_.wantsSample && loader_) loader_->loadSample(), ++waitingFor_;
     if (state_.wantsScreenshot) screenshot_ = nextFreeName("doppel", ".png");
     if (state_.wantsTurntable && !turntable_) startTurntable(nextFreeName("turntable", ".mp4"));
     state_.wantsRemoval.reset(), state_.wantsClip.reset(), state_.wantsPart.reset();
-    state_.wantsScreenshot = state_.wantsTurntable = state_.wantsSample = false;
+    state_.wantsScreenshot = state_.wantsTurntable = state_.wantsSample = state_.wantsCompare = state_.wantsCompareEnd = false;
     if (options_.isScript() && !options_.turntable.empty() && scriptMayBegin() && !turntable_ && !done_) startTurntable(options_.turntable);
     if (turntable_) state_.camera.setAzimuth(turntableFromRad_ + turntable_->turnRad());
 }
@@ -274,6 +331,7 @@ void Viewer::advanceTime() {
         state_.playback.timeS = kScriptStepS * (turntable_ ? turntable_->done() : scriptFrame_);
     else
         state_.playback.advance(turntable_ ? kScriptStepS : passed);
+    if (!turntable_) turnRun(state_, !options_.isScript() ? passed : scriptFrame_ > 0 ? kScriptStepS : 0);
 }
 
 Status Viewer::arrange() {
@@ -287,7 +345,8 @@ Status Viewer::arrange() {
         if (const Status posed = subject.pose(state_.playback, lastS_); !posed) report(subject.file + ": " + posed.error().message);
     }
     if (state_.wantsFrame || !framed_) DPL_RETURN_IF_ERROR(frameAll());
-    state_.wantsFrame = false;
+    if (state_.wantsRoom) DPL_RETURN_IF_ERROR(buildRoom());
+    state_.wantsFrame = state_.wantsRoom = false;
     if (!options_.isScript() && !turntable_) keepAway();
     applyLimits();
     return {};
@@ -318,6 +377,10 @@ Status Viewer::frameAll() {
     if (size.x <= 0 || size.y <= 0) return {};
     frame(boxOf(state_.subjects));
     framed_ = true;
+    return buildRoom();
+}
+
+Status Viewer::buildRoom() {
     return ofShell(shell_->buildRoom(roomAround(state_.subjects, boxOf(state_.subjects), state_.camera.distanceM())));
 }
 
@@ -343,6 +406,7 @@ Status Viewer::afterDraw(bool drawn, std::vector<uint8_t>& rgb) {
     if (withSubjects) timings_.mark("first picture with a subject");
     if (!loader_) {  // only now, so that nothing competes with the first picture
         loader_ = std::make_unique<Loader>(*shell_, fillOf(options_.fill), cacheFolder());
+        opened_.begin(*loader_, options_.isScript());
         for (const std::string& file : options_.files) loader_->load(file, nullptr);
         waitingFor_ = options_.files.size();
         return {};

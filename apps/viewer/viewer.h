@@ -7,6 +7,7 @@
 #include <memory>
 
 #include "apps/viewer/loader.h"
+#include "apps/viewer/opened_files.h"
 #include "apps/viewer/options.h"
 #include "apps/viewer/panels.h"
 #include "apps/viewer/recorder.h"
@@ -30,14 +31,16 @@ private:
     Viewer(const ViewerOptions& options, Timings& timings, std::unique_ptr<platform::Shell> shell);
     Status frame();
     void takeFiles();
-    void addSubject(doppel::Avatar avatar, const std::string& file);
+    void addSubject(LoadedFile loaded);
     void takeInput();
     void takeKey(int key);
+    void dragWipe();
     void focusOn(float x, float y);
     void fulfilWishes();
     void advanceTime();
     Status arrange();
     Status frameAll();
+    Status buildRoom();
     void frame(const WorldBox& box);
     FreeSpan freeNow() const;
     Camerad cameraNow() const;
@@ -55,14 +58,16 @@ private:
     Timings& timings_;
     const std::unique_ptr<platform::Shell> shell_;
     std::unique_ptr<Loader> loader_;
+    OpenedFiles opened_;
     ViewerState state_;  // its avatars are destroyed before the context
 
     const std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
     double lastS_ = 0, figuresAtS_ = -1;
     uint64_t figuresAtFrame_ = 0;
-    size_t waitingFor_ = 0;   // files that are not loaded yet
-    bool framed_ = false;     // the camera was put before the first subject
-    bool rightHand_ = false;  // is the next that is looked at
+    size_t waitingFor_ = 0;       // files that are not loaded yet
+    bool framed_ = false;         // the camera was put before the first subject
+    bool comparedFirst_ = false;  // --compare was heard
+    bool rightHand_ = false;      // is the next that is looked at
     float detailSet_ = 0, budgetSet_ = 0;
     std::optional<Turntable> turntable_;
     double turntableFromRad_ = 0;

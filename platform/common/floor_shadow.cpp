@@ -73,7 +73,7 @@ FloorShadows::~FloorShadows() {
 void FloorShadows::set(uint32_t slot, std::span<const doppel::ContactShadow> shadows) {
     made_.clear();
     for (const doppel::ContactShadow& shadow : shadows.first(std::min<size_t>(shadows.size(), mostShadows_))) appendShadow(shadow, made_);
-    std::memcpy(vertices_[slot].mapped, made_.data(), made_.size() * sizeof(ShadowVertex));
+    if (!made_.empty()) std::memcpy(vertices_[slot].mapped, made_.data(), made_.size() * sizeof(ShadowVertex));
     vertexCount_[slot] = uint32_t(made_.size());
 }
 

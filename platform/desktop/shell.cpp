@@ -17,6 +17,7 @@ struct Shell::Parts {  // each needs those before it
     std::unique_ptr<Canvas> canvas;
     std::unique_ptr<Room> room;
     std::unique_ptr<FloorShadows> shadows;
+    std::unique_ptr<Pictures> pictures;
     std::unique_ptr<Gui> gui;
     std::unique_ptr<Swapchain> swapchain;
     std::unique_ptr<FrameSlots> slots;
@@ -45,6 +46,7 @@ Status Shell::makeParts(const ShellInfo& info) {
     const RoomPass roomPass{p.canvas->roomPass(), 0, kCanvasSamples, 0};
     DPL_SHELL_TRY(p.room, Room::create(p.device->handles(), roomPass));
     DPL_SHELL_TRY(p.shadows, FloorShadows::create(p.device->handles(), roomPass, kMaxStands));
+    DPL_SHELL_TRY(p.pictures, Pictures::create(p.device->handles(), p.canvas->finishingPass()));
     done("pipelines of the room");
     DPL_SHELL_TRY(p.gui, Gui::create(*p.window, *p.device, p.canvas->finishingPass(), DPL_VULKAN_SLOTS));
     done("font and pipeline of the panels");
@@ -98,6 +100,7 @@ Result<std::string> Shell::draw(const FrameContents& contents) {
     VkCommandBufferBeginInfo begin{VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO};
     begin.flags = VK_COMMAND_BUFFER_USAGE_ONE_TIME_SUBMIT_BIT;
     DPL_VK(vkBeginCommandBuffer(commands, &begin));
+    parts_->pictures->upload(commands, slotIndex);
     const Canvas& canvas = *parts_->canvas;
     canvas.beginRoom(commands);
     if (contents.room) {
@@ -128,6 +131,7 @@ Result<std::string> Shell::draw(const FrameContents& contents) {
         problem = dplGetLastError();
     vkCmdEndRenderPass(commands);
     canvas.beginFinishing(commands);
+    parts_->pictures->record(commands, picturePx_, contents.pictures);
     if (contents.panels) DPL_SHELL_OK(parts_->gui->record(commands));
     vkCmdEndRenderPass(commands);
     parts_->swapchain->recordCopy(commands, *image, canvas.picture(), picturePx_);
@@ -170,6 +174,14 @@ Status Shell::readPicture(std::vector<uint8_t>& rgb) {
         for (size_t c = 0; c < 3; ++c) rgb[3 * i + c] = rgba[4 * i + c];
     destroyHostBuffer(parts_->device->handles(), buffer);
     return copied;
+}
+
+Result<uint32_t> Shell::addPicture(std::span<const uint8_t> rgba, uint32_t widthPx, uint32_t heightPx) {
+    return parts_->pictures->add(rgba, {widthPx, heightPx});
+}
+
+void Shell::removePicture(uint32_t picture) {
+    parts_->pictures->remove(picture);
 }
 
 Status Shell::buildRoom(const RoomPlan& plan) {

@@ -20,6 +20,7 @@
 
 #include "platform/common/floor_shadow.h"
 #include "platform/common/room.h"
+#include "platform/desktop/pictures.h"
 
 namespace dpl::platform {
 
@@ -38,6 +39,7 @@ struct FrameContents {
     uint32_t composer = 0;
     std::vector<DplAvatar> avatars;              // may be empty
     std::vector<doppel::ContactShadow> shadows;  // on the floor of the room; at most kMaxStands
+    std::vector<PlacedPicture> pictures;         // over the avatars, below the panels, one after the other
     bool panels = true;                          // draw what ImGui was told
     std::vector<uint8_t>* rgb = nullptr;         // receives the picture, three bytes a pixel; costs a wait
 };
@@ -65,6 +67,12 @@ public:
     Result<std::string> draw(const FrameContents& contents);
     /** Pictures that draw has shown. */
     uint64_t shown() const { return shown_; }
+
+    /** A picture for FrameContents::pictures: display values with straight alpha, four bytes a pixel, top row first. Copies them; the next
+     *  frame uploads them, and nothing waits. DPL_ERROR_INVALID_ARGUMENT: larger than 4096 pixels a side, or more than 16 pictures. */
+    Result<uint32_t> addPicture(std::span<const uint8_t> rgba, uint32_t widthPx, uint32_t heightPx);
+    /** Frames in flight may still show it. */
+    void removePicture(uint32_t picture);
 
     /** Waits until no frame is in flight, then builds the room anew. */
     Status buildRoom(const RoomPlan& plan);

@@ -22,6 +22,7 @@ const HIGHEST = 1.4;       // radians above or below the horizon
 const NEAREST = 0.25, FARTHEST = 3;  // of the distance at which the whole person is seen
 const RESTORE_MS = 5000;   // a graphics device that does not come back within it is given up
 const MAGNIFICATION = 3;   // a detail that the scan just shows is never drawn over more pixels
+const LOOKS_AT_CLIP = 24;    // times of a clip at which it is seen how far the person reaches
 
 const STYLE = `
 :host { display: inline-block; position: relative; width: 300px; height: 400px; overflow: hidden; }
@@ -40,7 +41,7 @@ export class DoppelAvatarElement extends (globalThis.HTMLElement ?? class {}) {
   #canvas; #poster; #slot; #renderer = null; #pacer = new SplatPacer(); #givingUp = 0; #cpuOnly = false; #context2d = null;
   #person = null; #loading = null; #resize; #sight; #frame = 0;
   #playing = false; #inSight = true; #time = 0; #last = 0; #stale = true; #shown = false; #scale = 1;
-  #azimuth = 0.35; #elevation = 0.05; #zoom = 1; #pointers = new Map(); #turnedByHand = false; #clip = 0;
+  #azimuth = 0.35; #elevation = 0.05; #zoom = 1; #pointers = new Map(); #turnedByHand = false; #clip = 0; #box = null;
   #view = { eye: [0, 0, 0], target: [0, 0, 0], fovY: FOV_Y, width: 0, height: 0 }; #camera = { viewFromWorld: new Array(12) };
   #onFrame = now => this.#drawFrame(now);
   #onVisibility = () => this.#wake();
@@ -135,6 +136,7 @@ export class DoppelAvatarElement extends (globalThis.HTMLElement ?? class {}) {
     } else if (name === 'clip') {
       this.#clip = now === null ? 0 : /^\d+$/.test(now) ? Number(now) : now;
       this.#time = 0;
+      this.#box = null;
       this.redraw();
     } else if (this.isConnected) {
       this.#load();
@@ -145,7 +147,7 @@ export class DoppelAvatarElement extends (globalThis.HTMLElement ?? class {}) {
     this.#loading?.abort();
     this.#loading = null;
     this.#person?.dispose();
-    this.#person = null;
+    this.#person = this.#box = null;
     this.#shown = false;
     this.#showPoster(true);
   }
@@ -225,6 +227,7 @@ export class DoppelAvatarElement extends (globalThis.HTMLElement ?? class {}) {
     const width = Math.round(this.clientWidth * density), height = Math.round(this.clientHeight * density);
     if (width < 1 || height < 1) return;
     const person = this.#person, started = performance.now();
+    this.#box ??= this.#reach();
     if (person.clips.length) person.setClip(this.#clip, this.#time);
     this.#aim(width, height);
     if (this.#renderer) {
@@ -304,13 +307,29 @@ export class DoppelAvatarElement extends (globalThis.HTMLElement ?? class {}) {
     if (!this.#playing && before < this.#scale) this.#stale = true;
   }
 
+  /** The corners of what must be in the picture: the person at rest, and in the clip as far beyond the joints as at rest. */
+  #reach() {
+    const { restMin, restMax, joints, clips } = this.#person, low = [...restMin], high = [...restMax];
+    const ofJoints = (places, choose) => [0, 1, 2].map(k => choose(...places.map(place => place[k])));
+    const atRest = joints.map(({ restPosition }) => restPosition), least = ofJoints(atRest, Math.min), most = ofJoints(atRest, Math.max);
+    const clip = clips[this.#clip] ?? clips.find(({ name }) => name === this.#clip);
+    for (let i = 0; clip && i < LOOKS_AT_CLIP; ++i) {
+      this.#person.setClip(this.#clip, clip.duration * i / LOOKS_AT_CLIP);
+      this.#person.jointPositions().forEach((place, at) => {
+        const k = at % 3;
+        low[k] = Math.min(low[k], place + restMin[k] - least[k]), high[k] = Math.max(high[k], place + restMax[k] - most[k]);
+      });
+    }
+    return { low, high };
+  }
+
   /** Sets #camera for a picture of width × height. */
   #aim(width, height) {
-    const { restMin, restMax } = this.#person, view = this.#view, { eye, target } = view;
-    const halfHeight = (restMax[1] - restMin[1]) / 2 || 1;
-    const halfWidth = Math.max(0.3 * halfHeight, Math.min((restMax[0] - restMin[0]) / 2, halfHeight));
+    const { low, high } = this.#box, view = this.#view, { eye, target } = view;
+    const halfHeight = (high[1] - low[1]) / 2 || 1;
+    const halfWidth = Math.max(0.3 * halfHeight, Math.min((high[0] - low[0]) / 2, halfHeight));
     const tangent = Math.tan(FOV_Y / 2), whole = 1.15 * Math.max(halfHeight, halfWidth * height / width) / tangent;
-    for (let k = 0; k < 3; ++k) target[k] = (restMin[k] + restMax[k]) / 2;
+    for (let k = 0; k < 3; ++k) target[k] = (low[k] + high[k]) / 2;
     this.#stepBack(whole);
     const nearest = this.#person.nearestDistance(target, eye, height / (2 * tangent), MAGNIFICATION);
     this.#zoom = Math.min(FARTHEST, Math.max(NEAREST, Math.min(1, nearest / whole), this.#zoom));

@@ -387,7 +387,6 @@ export class Doppel {
     this.#check(this.#call('webSetDetail', this.#context, splatsPerPixel, splatBudget));
   }
 
-  // [not in pages]
   /** World positions of all joints: 3 numbers each, metres. */
   jointPositions() {
     const count = this.joints.length, at = this.#call('webAllocate', 12 * count + 4);
@@ -399,7 +398,6 @@ export class Doppel {
     return positions;
   }
 
-  // [in pages]
   /** A camera {width, height, fx, fy, cx, cy, viewFromWorld} for draw(). It looks along its +z, with y down. fovY: vertical field of view,
    *  radians. into: a camera to overwrite instead of a new one. */
   lookAt(options, into = { viewFromWorld: new Array(12) }) {

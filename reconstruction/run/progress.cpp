@@ -8,6 +8,7 @@
 #include <csignal>
 #include <cstdio>
 
+#include "reconstruction/run/run_news.h"
 #include "reconstruction/run/stage_words.h"
 #include "sdk/core/result.h"
 
@@ -40,12 +41,14 @@ void Progress::clearLine() {
 void Progress::beginStage(std::string_view name) {
     stage_ = style_ == Style::Verbose ? name : wordsOfStage(name);
     stageStart_ = lastDrawn_ = Clock::now();
+    if (news_) news_->stage(name);
     if (style_ == Style::Quiet || !terminal_) return;
     std::fprintf(stderr, "  %-19s ...", stage_.c_str());
     lineOpen_ = true;
 }
 
 void Progress::update(double fraction, std::string_view detail) {
+    if (news_) news_->doing(fraction, detail);
     if (style_ == Style::Quiet) return;
     const Clock::time_point now = Clock::now();
     const double sinceDrawn = std::chrono::duration<double>(now - lastDrawn_).count();

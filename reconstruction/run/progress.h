@@ -11,6 +11,8 @@
 
 namespace dpl {
 
+class RunNews;
+
 /** Writes to stderr: on a terminal a bar that is rewritten in place, otherwise a line every ten seconds; nothing when quiet. */
 class Progress {
 public:
@@ -27,19 +29,36 @@ public:
     /** Writes a separate line if the style is Verbose. */
     void detail(std::string_view line);
 
+    /** Who else hears of stages and updates; null: nobody. */
+    RunNews* news() const { return news_; }
+
     /** True after the first SIGINT, SIGTERM or SIGHUP, if installSignalHandlers() was called. */
     static bool cancelled();
     static const std::atomic<bool>& cancelFlag();
 
 private:
+    friend class ToldNews;
     using Clock = std::chrono::steady_clock;
     void clearLine();
 
     Style style_;
+    RunNews* news_ = nullptr;
     bool terminal_ = false;
     bool lineOpen_ = false;
     std::string stage_;
     Clock::time_point stageStart_{}, lastDrawn_{};
+};
+
+/** A Progress tells it to `news` too until the scope ends. */
+class ToldNews {
+public:
+    ToldNews(Progress& progress, RunNews& news) : progress_(progress) { progress_.news_ = &news; }
+    ~ToldNews() { progress_.news_ = nullptr; }
+    ToldNews(const ToldNews&) = delete;
+    ToldNews& operator=(const ToldNews&) = delete;
+
+private:
+    Progress& progress_;
 };
 
 /** Work that a Progress shows and the first signal cancels. */

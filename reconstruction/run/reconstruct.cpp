@@ -5,8 +5,10 @@
 #include "reconstruction/judging/ladder/true_mesh.h"
 #include "reconstruction/judging/report/report.h"
 #include "reconstruction/run/cameras_file.h"
+#include "reconstruction/run/frames_file.h"
 #include "reconstruction/run/import_scan.h"
 #include "reconstruction/run/output_claim.h"
+#include "reconstruction/run/run_news.h"
 #include "reconstruction/run/run_request.h"
 #include "reconstruction/run/run_scan.h"
 #include "reconstruction/run/stage_body_fit.h"
@@ -63,17 +65,12 @@ Status writeCameras(const FrameTable& table, const std::filesystem::path& path) 
     return {};
 }
 
-/** Locks the output folder, gives `work` a run with the request, and returns what it returns. */
+/** Gives `work` a run with the request, and returns what it returns. */
 template <class T>
-Result<T> withRun(const ReconstructOptions& options, Progress& progress, const std::function<Result<T>(Run&)>& work) {
-    std::error_code error;
-    std::filesystem::create_directories(options.out, error);
-    if (error) return fail(Code::Io, "cannot create {}: {}; choose another output with -o", options.out.string(), error.message());
-    DPL_TRY([[maybe_unused]] const FolderLock lock, FolderLock::take(options.out));
+Result<T> withRequest(const ReconstructOptions& options, Progress& progress, const std::function<Result<T>(Run&)>& work) {
     Jobs jobs(options.threadCount);
     StageChain chain(options.out, progress);
     Run run(chain, jobs, progress);
-    DPL_RETURN_IF_ERROR(checkOutputIsFree(options));
     const auto scan = scanToReconstruct(options, progress);
     if (!scan) return refuse(options.out, {"import"}, scan.error());
     run.put(RunRequest{*scan, options}, "request");
@@ -81,6 +78,23 @@ Result<T> withRun(const ReconstructOptions& options, Progress& progress, const s
     DPL_RETURN_IF_ERROR(claimOutput(options, read->scan, read->hashes));
     DPL_RETURN_IF_ERROR(checkTruth(read->scan));
     return work(run);
+}
+
+/** Locks the output folder, tells who watches it, and returns what `work` returns. */
+template <class T>
+Result<T> withRun(const ReconstructOptions& options, Progress& progress, const std::function<Result<T>(Run&)>& work) {
+    std::error_code error;
+    std::filesystem::create_directories(options.out, error);
+    if (error) return fail(Code::Io, "cannot create {}: {}; choose another output with -o", options.out.string(), error.message());
+    DPL_TRY([[maybe_unused]] const FolderLock lock, FolderLock::take(options.out));
+    DPL_RETURN_IF_ERROR(checkOutputIsFree(options));
+    RunNews news(options.out);
+    auto result = [&] {
+        const ToldNews told(progress, news);
+        return withRequest<T>(options, progress, work);
+    }();
+    news.ended(result ? Status() : Status(result.error()));
+    return result;
 }
 
 }  // namespace
@@ -100,6 +114,8 @@ Result<ReconstructResult> completeRun(Run& run) {
     DPL_RETURN_IF_ERROR(tellVerdict(run, found->poses.avatarHash));
     DPL_TRY(const FrameTable* table, run.get<FrameTable>());
     DPL_RETURN_IF_ERROR(writeCameras(*table, camerasBeside(result.poses)));
+    DPL_TRY(const MetricCameras* metric, run.get<MetricCameras>());
+    DPL_RETURN_IF_ERROR(writeFileAtomically(out / "frames.json", framesToJson(table->scan, metric->cameras, out)));
     DPL_TRY(const ReportFiles* report, run.get<ReportFiles>());
     for (const char* name : {"report.html", "report.json", "portrait.jpg"}) {
         DPL_TRY(const auto bytes, readFile(report->folder / name));

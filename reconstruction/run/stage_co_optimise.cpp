@@ -14,6 +14,7 @@
 #include "reconstruction/run/stage_ingest.h"
 #include "reconstruction/run/stage_register.h"
 #include "reconstruction/run/trained_file.h"
+#include "reconstruction/run/training_shown.h"
 #include "reconstruction/training/correctives/corrective_model.h"
 #include "reconstruction/training/correctives/motion_model.h"
 #include "reconstruction/training/light/light_model.h"
@@ -70,7 +71,7 @@ Result<uint32_t> stepsInBudget(const CoOptimiseInput& input, const RunSettings& 
     return steps;
 }
 
-Status train(CoOptimiseInput input, const RunSettings& settings, Jobs& jobs, StageContext& context) {
+Status train(CoOptimiseInput input, const RunSettings& settings, Jobs& jobs, StageContext& context, TrainingShown shown) {
     CoOptimiseSettings training = settings.training;
     if (settings.timeBudgetMinutes > 0) {
         DPL_TRY(training.steps, stepsInBudget(input, settings, jobs, context));
@@ -92,6 +93,7 @@ Status train(CoOptimiseInput input, const RunSettings& settings, Jobs& jobs, Sta
             saved = std::chrono::steady_clock::now();
         }
         DPL_RETURN_IF_ERROR(ran);
+        shown.after(*optimiser, training.steps);
     }
     return writeTrainedFile(optimiser->result(), context.folder / kTrainedFile);
 }
@@ -149,7 +151,9 @@ Status StageOf<Training>::make(StageInputs& in, StageContext& context) {
     if (start.views > 0)
         context.progress.detail(formatText("outlines of {} moving pictures: overlap {} before and {} after clothes have moved", start.views,
                                            std::round(1e3 * start.iouBefore) / 1e3, std::round(1e3 * start.iouAfter) / 1e3));
-    DPL_RETURN_IF_ERROR(train(std::move(input), *settings, in.jobs(), context));
+    TrainingShown shown(context.progress.news(), input);
+    shown.heldBack(*table);
+    DPL_RETURN_IF_ERROR(train(std::move(input), *settings, in.jobs(), context, std::move(shown)));
     return dropCheckpoint();
 }
 

@@ -8,6 +8,7 @@
 
 #include "reconstruction/judging/evidence/evidence_file.h"
 #include "reconstruction/run/graph.h"
+#include "reconstruction/run/preset.h"
 #include "reconstruction/run/stage_assemble.h"
 #include "reconstruction/training/trainer/retrain.h"
 

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "reconstruction/run/stage_words.h"
 
+#include <algorithm>
+#include <iterator>
 #include <utility>
 
 namespace dpl {
@@ -17,6 +19,12 @@ std::string_view wordsOfStage(std::string_view name) {
     for (const auto& [stage, words] : kWords)
         if (stage == name) return words;
     return name;
+}
+
+size_t placeOfStage(std::string_view name) {
+    constexpr std::string_view kInOrder[kStagesOfAll] = {"ingest",      "body-fit", "surface", "body-map", "garments", "register",
+                                                         "co-optimise", "evidence", "package", "pose-fit", "report"};
+    return size_t(std::find(std::begin(kInOrder), std::end(kInOrder), name) - std::begin(kInOrder) + 1) % (kStagesOfAll + 1);
 }
 
 }  // namespace dpl

@@ -22,6 +22,7 @@ namespace dpl {
 namespace {
 
 constexpr int kMaxAttributes = 16;
+constexpr int kNormalBits = 12, kUvBits = 16;
 constexpr uint64_t kVerticesPerByte = 8, kTrianglesPerByte = 16, kFreeElements = 256;
 
 /** A Draco decoder that checks the attributes after their headers and before Draco allocates their values. */
@@ -148,13 +149,25 @@ Result<std::vector<uint8_t>> encodeDraco(const LayerMesh& mesh) try {
         positions[v] = {p.x, p.y, p.z};
     }
     const int position = addAttribute(out, draco::GeometryAttribute::POSITION, draco::DT_FLOAT32, false, positions);
-    addAttribute(out, draco::GeometryAttribute::COLOR, draco::DT_UINT16, true, asArrays<uint16_t>(mesh.colours));
+    out.attribute(position)->set_unique_id(kDracoPosition);
+    auto add = [&](draco::GeometryAttribute::Type type, draco::DataType dataType, bool normalized, const auto& values, uint32_t id) {
+        if (values.empty()) return -1;
+        const int attribute = addAttribute(out, type, dataType, normalized, values);
+        out.attribute(attribute)->set_unique_id(id);
+        return attribute;
+    };
+    add(draco::GeometryAttribute::COLOR, draco::DT_UINT16, true, asArrays<uint16_t>(mesh.colours), kDracoColour);
     if (mesh.wideJoints)
-        addAttribute(out, draco::GeometryAttribute::GENERIC, draco::DT_UINT16, false, asArrays<uint16_t>(mesh.joints));
+        add(draco::GeometryAttribute::GENERIC, draco::DT_UINT16, false, asArrays<uint16_t>(mesh.joints), kDracoJoints);
     else
-        addAttribute(out, draco::GeometryAttribute::GENERIC, draco::DT_UINT8, false, asArrays<uint8_t>(mesh.joints));
-    addAttribute(out, draco::GeometryAttribute::GENERIC, draco::DT_UINT8, true, asArrays<uint8_t>(mesh.weights));
-    for (int i = 0; i < out.num_attributes(); ++i) out.attribute(i)->set_unique_id(uint32_t(i));
+        add(draco::GeometryAttribute::GENERIC, draco::DT_UINT8, false, asArrays<uint8_t>(mesh.joints), kDracoJoints);
+    add(draco::GeometryAttribute::GENERIC, draco::DT_UINT8, true, asArrays<uint8_t>(mesh.weights), kDracoWeights);
+    std::vector<std::array<float, 3>> normals;
+    for (const Vec3f& n : mesh.normals) normals.push_back({n.x, n.y, n.z});
+    std::vector<std::array<float, 2>> uv;
+    for (const Vec2f& at : mesh.uv) uv.push_back({at.x, at.y});
+    const int normal = add(draco::GeometryAttribute::NORMAL, draco::DT_FLOAT32, false, normals, kDracoNormal);
+    const int place = add(draco::GeometryAttribute::TEX_COORD, draco::DT_FLOAT32, false, uv, kDracoUv);
 
     // The step is a power of two and the range a whole number of steps, so quantising lattice positions is exact in both directions.
     const Vec3f extent = (high - low) / kPositionStepM;
@@ -165,6 +178,8 @@ Result<std::vector<uint8_t>> encodeDraco(const LayerMesh& mesh) try {
     encoder.SetEncodingMethod(draco::MESH_SEQUENTIAL_ENCODING);
     encoder.SetSpeedOptions(1, 1);
     encoder.options().SetAttributeOptions(position, latticeQuantization(bits, low));
+    if (normal >= 0) encoder.SetAttributeQuantization(normal, kNormalBits);
+    if (place >= 0) encoder.SetAttributeQuantization(place, kUvBits);
     encoder.options().SetGlobalBool("compress_connectivity", true);
     draco::EncoderBuffer buffer;
     if (auto status = encoder.EncodeToBuffer(&buffer); !status.ok())

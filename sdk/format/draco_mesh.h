@@ -15,16 +15,20 @@ namespace dpl {
 /** One layer; triangles index its own vertices. Positions are multiples of kPositionStepM. */
 struct LayerMesh {
     std::vector<Vec3f> positions;
-    std::vector<glm::u16vec4> colours;  // linear light, as glTF's COLOR_0
+    std::vector<glm::u16vec4> colours;  // linear light, as glTF's COLOR_0; empty: none
+    std::vector<Vec3f> normals;         // unit; empty: none
+    std::vector<Vec2f> uv;              // texture coordinates, 0 to 1; empty: none
     std::vector<glm::u16vec4> joints;
     std::vector<glm::u8vec4> weights;
     std::vector<glm::uvec3> triangles;
     bool wideJoints = false;  // joints as u16 in the file, else u8
 };
 
-constexpr uint32_t kDracoPosition = 0, kDracoColour = 1, kDracoJoints = 2, kDracoWeights = 3;  // unique ids in files by Doppel
+constexpr uint32_t kDracoPosition = 0, kDracoColour = 1, kDracoJoints = 2, kDracoWeights = 3, kDracoNormal = 4,
+                   kDracoUv = 5;  // unique ids in files by Doppel
 
-/** Encodes sequentially: vertices, triangles and corners keep their order. Integers and lattice positions are exact. */
+/** Encodes sequentially: vertices, triangles and corners keep their order. Integers and lattice positions are exact;
+ *  normals are within 0.1°, texture coordinates within 2⁻¹⁷. */
 Result<std::vector<uint8_t>> encodeDraco(const LayerMesh& mesh);
 
 struct DracoDecoded {

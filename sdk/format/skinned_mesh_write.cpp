@@ -13,14 +13,15 @@ Json triple(const Vec3f& v) {
     return Json::array({v.x, v.y, v.z});
 }
 
-LayerMesh layerMesh(const MeshData& mesh, const LayerData& layer, bool wideJoints) {
+LayerMesh layerMesh(const MeshData& mesh, const LayerData& layer, bool wideJoints, const LayerOptions& options) {
     LayerMesh out;
     out.wideJoints = wideJoints;
     auto cut = [&](const auto& values, auto& to) {
-        to.assign(values.begin() + layer.firstVertex, values.begin() + layer.firstVertex + layer.vertexCount);
+        if (!values.empty()) to.assign(values.begin() + layer.firstVertex, values.begin() + layer.firstVertex + layer.vertexCount);
     };
     cut(mesh.restPositions, out.positions), cut(mesh.jointIndices, out.joints), cut(mesh.jointWeights, out.weights);
-    for (uint32_t v = 0; v < layer.vertexCount; ++v) {
+    cut(options.normals, out.normals), cut(options.texture.uv, out.uv);
+    for (uint32_t v = 0; v < layer.vertexCount && out.uv.empty(); ++v) {
         const glm::u8vec4& c = mesh.colours[layer.firstVertex + v];
         out.colours.emplace_back(linearFromSrgb8(c.r), linearFromSrgb8(c.g), linearFromSrgb8(c.b), c.a * 257);
     }
@@ -28,56 +29,70 @@ LayerMesh layerMesh(const MeshData& mesh, const LayerData& layer, bool wideJoint
     return out;
 }
 
-/** Buffer views of a layer without Draco; -1 if Draco fills the accessors. */
-struct LayerViews {
-    int64_t positions = -1, colours = -1, joints = -1, weights = -1, indices = -1;
+/** A vertex attribute of glTF. */
+struct Attribute {
+    const char* name;
+    uint32_t dracoId;
+    int component;
+    const char* type;
+    bool normalized = false;
+    int64_t view = -1;  // -1: Draco fills the accessor
 };
 
-LayerViews plainViews(GlbBuilder& glb, const LayerMesh& m) {
-    LayerViews v;
-    v.positions = glb.addView(m.positions, kGltfVertices);
-    v.colours = glb.addView(m.colours, kGltfVertices);
-    if (m.wideJoints) {
-        v.joints = glb.addView(m.joints, kGltfVertices);
-    } else {
-        std::vector<glm::u8vec4> narrow(m.joints.begin(), m.joints.end());
-        v.joints = glb.addView(narrow, kGltfVertices);
-    }
-    v.weights = glb.addView(m.weights, kGltfVertices);
-    v.indices = glb.addView(m.triangles, kGltfIndices);
-    return v;
+/** The attributes that a layer has. glb: where their values go; null: Draco has them. */
+std::vector<Attribute> attributesOf(const LayerMesh& m, GlbBuilder* glb) {
+    std::vector<Attribute> out;
+    auto add = [&](const auto& values, Attribute attribute) {
+        if (values.empty()) return;
+        if (glb) attribute.view = glb->addView(values, kGltfVertices);
+        out.push_back(attribute);
+    };
+    add(m.positions, {"POSITION", kDracoPosition, kGltfF32, "VEC3"});
+    add(m.normals, {"NORMAL", kDracoNormal, kGltfF32, "VEC3"});
+    add(m.uv, {"TEXCOORD_0", kDracoUv, kGltfF32, "VEC2"});
+    add(m.colours, {"COLOR_0", kDracoColour, kGltfU16, "VEC4", true});
+    if (m.wideJoints)
+        add(m.joints, {"JOINTS_0", kDracoJoints, kGltfU16, "VEC4"});
+    else
+        add(std::vector<glm::u8vec4>(m.joints.begin(), m.joints.end()), {"JOINTS_0", kDracoJoints, kGltfU8, "VEC4"});
+    add(m.weights, {"WEIGHTS_0", kDracoWeights, kGltfU8, "VEC4", true});
+    return out;
+}
+
+/** The colours of the one material. */
+void addTexture(GlbBuilder& glb, const MeshTexture& texture) {
+    constexpr int kLinear = 9729, kLinearMipmapLinear = 9987, kClampToEdge = 33071;
+    glb.root["images"] = Json::array({{{"name", "colour"},
+                                       {"mimeType", texture.jpeg ? "image/jpeg" : "image/png"},
+                                       {"bufferView", glb.addView(std::vector<uint8_t>(texture.image.begin(), texture.image.end()))}}});
+    glb.root["samplers"] =
+        Json::array({{{"magFilter", kLinear}, {"minFilter", kLinearMipmapLinear}, {"wrapS", kClampToEdge}, {"wrapT", kClampToEdge}}});
+    glb.root["textures"] = Json::array({{{"sampler", 0}, {"source", 0}}});
+    glb.root["materials"][0]["pbrMetallicRoughness"]["baseColorTexture"] = {{"index", 0}};
 }
 
 Status addLayer(GlbBuilder& glb, const MeshData& mesh, const LayerData& layer, bool wideJoints, const LayerOptions& options) {
-    const LayerMesh m = layerMesh(mesh, layer, wideJoints);
-    LayerViews views;
+    const LayerMesh m = layerMesh(mesh, layer, wideJoints, options);
     Json primitive = {{"mode", 4}, {"material", 0}};
+    const std::vector<Attribute> attributes = attributesOf(m, options.draco ? nullptr : &glb);
+    int64_t indices = -1;
     if (options.draco) {
         DPL_TRY(const std::vector<uint8_t> bytes, encodeDraco(m));
-        primitive["extensions"]["KHR_draco_mesh_compression"] = {
-            {"bufferView", glb.addView(bytes)},
-            {"attributes",
-             {{"POSITION", kDracoPosition}, {"COLOR_0", kDracoColour}, {"JOINTS_0", kDracoJoints}, {"WEIGHTS_0", kDracoWeights}}}};
+        Json& draco = primitive["extensions"]["KHR_draco_mesh_compression"] = {{"bufferView", glb.addView(bytes)}};
+        for (const Attribute& attribute : attributes) draco["attributes"][attribute.name] = attribute.dracoId;
     } else {
-        views = plainViews(glb, m);
+        indices = glb.addView(m.triangles, kGltfIndices);
     }
-    Vec3f low = m.positions.front(), high = low;
-    for (const Vec3f& p : m.positions) low = glm::min(low, p), high = glm::max(high, p);
-    Json& positions = glb.addAccessor(views.positions, kGltfF32, "VEC3", m.positions.size());
-    positions["min"] = triple(low), positions["max"] = triple(high);
-    primitive["attributes"]["POSITION"] = glb.lastAccessor();
-    if (!options.draco && !options.normals.empty()) {
-        const auto normals = options.normals.subspan(layer.firstVertex, layer.vertexCount);
-        glb.addAccessor(glb.addView(std::vector<Vec3f>(normals.begin(), normals.end()), kGltfVertices), kGltfF32, "VEC3", normals.size());
-        primitive["attributes"]["NORMAL"] = glb.lastAccessor();
+    for (const Attribute& attribute : attributes) {
+        Json& accessor = glb.addAccessor(attribute.view, attribute.component, attribute.type, m.positions.size(), attribute.normalized);
+        if (attribute.dracoId == kDracoPosition) {
+            Vec3f low = m.positions.front(), high = low;
+            for (const Vec3f& p : m.positions) low = glm::min(low, p), high = glm::max(high, p);
+            accessor["min"] = triple(low), accessor["max"] = triple(high);
+        }
+        primitive["attributes"][attribute.name] = glb.lastAccessor();
     }
-    glb.addAccessor(views.colours, kGltfU16, "VEC4", m.positions.size(), true);
-    primitive["attributes"]["COLOR_0"] = glb.lastAccessor();
-    glb.addAccessor(views.joints, wideJoints ? kGltfU16 : kGltfU8, "VEC4", m.positions.size());
-    primitive["attributes"]["JOINTS_0"] = glb.lastAccessor();
-    glb.addAccessor(views.weights, kGltfU8, "VEC4", m.positions.size(), true);
-    primitive["attributes"]["WEIGHTS_0"] = glb.lastAccessor();
-    glb.addAccessor(views.indices, kGltfU32, "SCALAR", m.triangles.size() * 3);
+    glb.addAccessor(indices, kGltfU32, "SCALAR", m.triangles.size() * 3);
     primitive["indices"] = glb.lastAccessor();
     glb.root["meshes"].push_back({{"name", layer.name}, {"primitives", Json::array({std::move(primitive)})}});
     return {};
@@ -143,6 +158,7 @@ Status addLayers(GlbBuilder& glb, const AvatarData& avatar, const LayerOptions& 
                                           {"doubleSided", true},
                                           {"pbrMetallicRoughness", {{"metallicFactor", 0}, {"roughnessFactor", 1}}},
                                           {"extensions", {{"KHR_materials_unlit", Json::object()}}}}});
+    if (!options.texture.uv.empty()) addTexture(glb, options.texture);
     if (options.draco) {
         glb.root["extensionsUsed"].push_back("KHR_draco_mesh_compression");
         glb.root["extensionsRequired"] = {"KHR_draco_mesh_compression"};

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The part of an avatar's file that any glTF viewer shows: layers as meshes with vertex colours, skeleton and clips
+// The part of an avatar's file that any glTF viewer shows: layers as meshes with colours, skeleton and clips
 // (docs/formats/avatar.md). Internal. Only .cpp files include it, because the JSON header is slow to compile.
 #pragma once
 
@@ -8,12 +8,14 @@
 #include "sdk/core/result.h"
 #include "sdk/format/avatar_data.h"
 #include "sdk/format/glb_builder.h"
+#include "sdk/format/gltf_mesh.h"
 
 namespace dpl {
 
 struct LayerOptions {
     bool draco = false;              // needs a viewer that knows KHR_draco_mesh_compression
-    std::span<const Vec3f> normals;  // one per vertex of the avatar, unit length, at rest; empty: none are written. Not with Draco
+    std::span<const Vec3f> normals;  // one per vertex of the avatar, unit length, at rest; empty: none are written
+    MeshTexture texture;             // of the vertices of the avatar, instead of their colours
 };
 
 /** Adds a mesh for each layer, and their unlit material. The avatar has passed checkAvatarWithoutSplats() and snapAvatar(). Errors: Draco

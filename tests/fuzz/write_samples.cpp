@@ -7,6 +7,7 @@
 #include "sdk/format/gltf_mesh.h"
 #include "sdk/format/gltf_splats.h"
 #include "sdk/format/ply.h"
+#include "tests/unit/format/one_pixel_png.h"
 #include "tests/unit/format/sample_avatars.h"
 #include "tests/unit/format/sample_correctives.h"
 
@@ -47,7 +48,10 @@ int main(int argc, char** argv) {
     ok &= save(folder / "capture_map_plain.glb", dpl::writeAvatar(mapped, {.draco = false}));
     const dpl::AvatarData layered = dpl::test::layeredAvatar(1, 1, 8, 3);
     const std::vector<dpl::Vec3f> normals(layered.mesh.restPositions.size(), dpl::Vec3f(0, 0, 1));
-    ok &= save(folder / "mesh.glb", dpl::writeGltfMesh(layered, normals));
+    const std::vector<dpl::Vec2f> uv(normals.size(), dpl::Vec2f(0.25f, 0.75f));
+    const std::vector<uint8_t> image = dpl::test::onePixelPng();
+    ok &= save(folder / "mesh.glb", dpl::writeGltfMesh(layered, normals, {uv, image}));
+    ok &= save(folder / "mesh_draco.glb", dpl::writeGltfMesh(layered, normals, {uv, image}, /*draco=*/true));
     ok &= save(folder / "splats.ply", dpl::writePly(splats));
     ok &= save(folder / "splats.glb", dpl::writeGltfSplats(splats));
     return ok ? 0 : 1;

@@ -3,6 +3,7 @@
 """Runs doppel-viewer in a virtual display: scripted pictures against the CPU's, and a session with mouse, dropped files and other sizes.
 Exit 77, with the reason: something that the test needs is missing."""
 import argparse
+import json
 import os
 import pathlib
 import shutil
@@ -54,6 +55,7 @@ class Test:
         self.display = display
         self.environment = dict(os.environ, DISPLAY=display.name, XDG_CACHE_HOME=str(self.work / "cache"), HOME=str(self.work))
         self.environment.pop("WAYLAND_DISPLAY", None)
+        self.environment.pop("XDG_CONFIG_HOME", None)  # settings lie in HOME
         self.avatar = self.work / "board.glb"
         subprocess.run([self.check, "make", self.avatar], check=True)
 
@@ -95,6 +97,148 @@ class Test:
         pictures = sorted(path.name for path in (self.work / "turn").glob("*"))
         expect(result.returncode == 0 and pictures == ["00000.png", "00001.png", "00002.png"], f"a turntable writes {pictures}")
         expect(self.figures("differ", self.work / "turn/00000.png", self.work / "turn/00001.png")[0] > 2, "the turntable turns")
+
+    def tell(self, folder, state, beat, **rest):
+        """progress.json of a run, replaced as a run does it."""
+        progress = {"format": "doppel-progress", "version": 1, "state": state, "sentence": "no space left on device", "started_unix_s": 1,
+                    "unix_s": int(time.time()), "beat": beat, "seconds": 90, "words": "painting", "place": 7, "places": 11, "share": 0.5,
+                    "seconds_left": 400, "steps": 800, "curve": [[100 * i, 18 + i, 0.1] for i in range(1, 8)],
+                    "held_back": {"frame": "dyn_003", "picture": "watch/held-back.jpg"},
+                    "avatar": {"file": "watch/avatar.glb", "step": 700, "change": 1}} | rest
+        (folder / "progress.part").write_text(json.dumps(progress))
+        (folder / "progress.part").rename(folder / "progress.json")
+
+    def run_folder(self, name):
+        folder = self.work / name
+        (folder / "watch").mkdir(parents=True)
+        shutil.copy(self.avatar, folder / "watch/avatar.glb")
+        shutil.copy(self.work / "room_bright.png", folder / "watch/held-back.jpg")  # told by its content
+        return folder
+
+    def watching(self):
+        """Runs that are played: what the viewer shows of one that works, fails, and is deleted."""
+        folder = self.run_folder("run")
+        self.tell(folder, "running", 1)
+        shot = self.work / "watch.png"
+        result = self.run(folder, "--screenshot", shot, "--size", "1280x800", "--room", "dark", "--frames", 2)
+        expect(result.returncode == 0 and not result.stderr, f"a run is drawn {result.stderr}")
+
+        def is_bar(picture):
+            _, green, blue = self.figures("colour", picture, 30, 78)
+            return green > 110 and blue < 100
+        expect(is_bar(shot), "the panel has the bar of its progress")
+        red, green, _ = self.figures("colour", shot, 820, 400)
+        expect(red > 150 and green < 90, "the avatar so far stands to the right")
+        expect(min(self.figures("colour", shot, 484, 300)) > 60, "the held-back picture lies to the left")
+
+        result = self.run("--screenshot", self.work / "never.png", self.work / "cache")
+        expect(result.returncode == 1 and "cache: this folder is neither a run" in result.stderr, f"another folder is refused: {result.stderr.strip()}")
+
+        process, window = self.start(folder, "--size", "900x700")
+        elsewhere = Display()
+        other = subprocess.Popen([self.viewer, folder, "--size", "300x200"], cwd=self.work, env=dict(self.environment, DISPLAY=elsewhere.name),
+                                 stderr=subprocess.DEVNULL)
+        try:
+            self.wait("the window shows that the run works", lambda: is_bar(self.capture(window, "watch_window.png")))
+            self.tell(folder, "failed", 2)
+            self.wait("the window shows that it failed", lambda: not is_bar(self.capture(window, "watch_failed.png")))
+            self.tell(folder, "running", 3)
+            self.wait("and that it goes on", lambda: is_bar(self.capture(window, "watch_again.png")))
+            (folder / "progress.json").write_text('{"format":')
+            shutil.rmtree(folder)
+            self.wait("the window stays when the run is deleted", lambda: not is_bar(self.capture(window, "watch_gone.png")))
+            expect(process.poll() is None and other.poll() is None, "two viewers watched it, and both live")
+            x11_send.Sender(self.display.name).close(window)
+            expect(process.wait(timeout=PATIENCE_S) == 0, "the window closes, with nothing from the validation layer")
+        finally:
+            for viewer in (process, other):
+                if viewer.poll() is None:
+                    viewer.kill()
+                viewer.wait()
+            elsewhere.close()
+
+    def comparing(self):
+        """A finished run with two frames whose photographs are a bright wall and a dark one, which the avatar stands before."""
+        folder = self.run_folder("finished")
+        shutil.copy(self.avatar, folder / "avatar.glb")
+        self.tell(folder, "done", 9)
+        scan = folder / "scan"
+        scan.mkdir()
+        (scan / "scan.json").write_text("{}")
+        rest, frames, poses = [[0, 0, 0, 1]] * 2, [], []
+        for name, light in (("a", "bright"), ("b", "dark")):
+            shutil.copy(self.work / f"room_{light}.png", scan / f"{name}.png")
+            frames.append({"name": name, "image": f"{name}.png", "mask": "", "size": [420, 300],
+                           "camera": [300, 300, 210, 150, 1, 0, 0, 0, -1, 0, 0, 0, -1, 0, 1, 2.5]})
+            poses.append({"name": name, "split": "train", "pose": {"rotations_xyzw": rest, "root_translation": [0, 0, 0]}})
+        (folder / "frames.json").write_text(json.dumps({"format": "doppel-frames", "version": 1, "scan": "scan", "frames": frames}))
+        (folder / "poses.json").write_text(json.dumps({"format": "doppel-poses", "version": 1, "joints": ["pelvis", "left_shoulder"],
+                                                       "frames": poses}))
+        shot = self.work / "compare.png"
+        result = self.run(folder, "--compare", "a", "--screenshot", shot, "--size", "1280x800")
+        expect(result.returncode == 0 and not result.stderr, f"a comparison is drawn {result.stderr}")
+        expect(min(self.figures("colour", shot, 340, 400)) > 100, "the photograph is to the left of the line")
+        red, green, _ = self.figures("colour", shot, 680, 400)
+        expect(red > 200 and green < 90, "the avatar is to the right of it")
+        expect(max(self.figures("colour", shot, 960, 400)) < 80, "with grey around it")
+        result = self.run(folder, "--compare", "c", "--screenshot", self.work / "never.png")
+        expect(result.returncode == 1 and "no frame is called c" in result.stderr, f"another frame is refused: {result.stderr.strip()}")
+
+        process, window = self.start(folder / "avatar.glb", "--hide-panels", "--room", "none", "--size", "420x300")
+        try:
+            def is_photo(dark):
+                value = max(self.figures("colour", self.capture(window, "compare_window.png"), 60, 60))
+                return value < 60 if dark else value > 100
+            self.wait("the avatar is in the window", lambda: self.figures("colour", self.capture(window, "compare_window.png"), 210, 170)[0] > 150)
+            x11_send.Sender(self.display.name).drop(window, [scan])
+            self.wait("a dropped scan is compared with the avatar of its run", lambda: is_photo(False))
+            self.xdotool("key", "--window", window, "Right")
+            self.wait("the arrow goes to the next frame", lambda: is_photo(True))
+            self.xdotool("mousemove", "--window", window, 30, 150, "mousedown", 1, "mouseup", 1)
+            self.xdotool("key", "--window", window, "Left")
+            self.wait("the photograph gives way where the mouse was", lambda: not is_photo(False))
+            self.xdotool("key", "--window", window, "Escape")
+            x11_send.Sender(self.display.name).close(window)
+            expect(process.wait(timeout=PATIENCE_S) == 0, "the window closes, with nothing from the validation layer")
+        finally:
+            if process.poll() is None:
+                process.kill()
+
+    def opening(self):
+        """The window that chooses a file, what it opens, and what the next start remembers."""
+        folder = self.work / "files"
+        folder.mkdir()
+        shutil.copy(self.avatar, folder / "only.glb")
+        settings = self.work / ".config/doppel/viewer.json"
+        process, window = self.start("--room", "none", "--size", "900x700")
+        try:
+            x11_send.Sender(self.display.name).drop(window, [folder / "only.glb"])
+            self.wait("what was opened is remembered", lambda: settings.exists() and "only.glb" in settings.read_text())
+            red = lambda: self.figures("colour", self.capture(window, "open_window.png"), 450, 300)[0]
+            self.wait("the avatar is in the window", lambda: red() > 150)
+            self.xdotool("key", "--window", window, "o")
+            self.wait("the key O opens the window over it", lambda: red() < 100)
+            self.capture(window, "open_list.png")
+            self.wait("its folder is remembered", lambda: json.loads(settings.read_text())["folder"] == str(self.work))
+            self.xdotool("key", "--window", window, "Escape")
+            self.wait("Escape closes it", lambda: red() > 150)
+            x11_send.Sender(self.display.name).close(window)
+            expect(process.wait(timeout=PATIENCE_S) == 0, "the window closes, with nothing from the validation layer")
+        finally:
+            if process.poll() is None:
+                process.kill()
+        settings.write_text(json.dumps({"recent": [str(folder / "only.glb"), str(folder / "gone.glb")], "room": "bright"}))
+        process, window = self.start("--size", "900x700")
+        try:
+            self.wait("the room of the last time is there", lambda: min(self.figures("colour", self.capture(window, "kept.png"), 450, 100)) > 100)
+            self.xdotool("mousemove", "--window", window, 60, 138, "click", 1)  # the first of what was opened lately
+            red = lambda: self.figures("colour", self.capture(window, "recent_window.png"), 450, 300)
+            self.wait("a click opens what was opened lately", lambda: red()[0] > 150 and red()[1] < 90)
+            x11_send.Sender(self.display.name).close(window)
+            process.wait(timeout=PATIENCE_S)
+        finally:
+            if process.poll() is None:
+                process.kill()
 
     def refusals(self):
         """What a user reads where no window can open."""
@@ -217,6 +361,9 @@ def main():
         test = Test(arguments, display)
         test.scripts()
         test.refusals()
+        test.watching()
+        test.comparing()
+        test.opening()
         test.session()
     finally:
         display.close()

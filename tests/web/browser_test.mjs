@@ -20,6 +20,8 @@ assert.deepEqual(result.events, ['progress', 'load', 'first-picture']);
 assert.ok(result.opaque > 2000, `${result.opaque} opaque pixels`);
 assert.equal(result.label, 'a person');
 assert.ok(result.disposed && result.poster && result.silentAfterRemoval && result.several, JSON.stringify(result));
+assert.equal(result.atBorder, 0, 'raised arms are in the picture');
+assert.ok(result.highest < 0.15, `and fill it: the highest pixel is at ${result.highest} of the height`);
 assert.match(result.missing.message, /none\.glb: the server answers 404/);
 assert.equal(result.missing.code, 'NETWORK');
 assert.equal(result.foreign.code, 'DPL_ERROR_UNSUPPORTED', result.foreign.message);

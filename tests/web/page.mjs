@@ -87,6 +87,25 @@ async function theElement() {
   shown.remove();
 }
 
+/** The clip that raises both arms, in a square: whether any part of the person leaves the picture. */
+async function whole() {
+  const shown = element({ src: PERSON, clip: 'moves' });
+  await happens(shown, 'first-picture');
+  const { duration } = shown.person.clips.find(({ name }) => name === 'moves');
+  found.atBorder = 0;
+  found.highest = Infinity;
+  for (let i = 0; i < 15; ++i) {
+    shown.currentTime = duration * (i + 0.5) / 15;
+    await new Promise(requestAnimationFrame).then(() => new Promise(requestAnimationFrame));
+    const { width, height, rgba } = shown.readPicture(), alpha = (x, y) => rgba[4 * (y * width + x) + 3];
+    const first = Array.from({ length: height }, (_, y) => y).find(y => Array.from({ length: width }, (_, x) => alpha(x, y)).some(a => a > 100));
+    found.highest = Math.min(found.highest, first / height);
+    for (let x = 0; x < width; ++x) found.atBorder += (alpha(x, 0) > 0) + (alpha(x, height - 1) > 0);
+    for (let y = 0; y < height; ++y) found.atBorder += (alpha(0, y) > 0) + (alpha(width - 1, y) > 0);
+  }
+  shown.remove();
+}
+
 async function failures() {
   const gone = element({ src: '/work/none.glb', poster: '/poster.svg' });
   found.missing = await happens(gone, 'error');
@@ -166,6 +185,7 @@ async function several() {
 try {
   await pictures();
   await theElement();
+  await whole();
   await failures();
   await several();
   await fallbacks();

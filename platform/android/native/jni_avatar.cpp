@@ -313,6 +313,58 @@ jboolean pick(JNIEnv* env, jclass, jlongArray avatars, jfloatArray ray, jintArra
     return found.hit != DPL_FALSE ? JNI_TRUE : JNI_FALSE;
 }
 
+/** A buffer of the app, and where each property lies in it: property, 1 for halves, offset and stride. */
+struct GivenBuffer {
+    std::vector<DplBufferElement> elements;
+    DplBuffer buffer{};
+};
+
+/** Nothing, and an exception: no direct buffer, or other numbers. */
+std::optional<GivenBuffer> bufferOf(JNIEnv* env, jlongArray layout, jobject buffer) {
+    constexpr size_t kNumbers = 4;
+    const std::vector<jlong> numbers = longsOf(env, layout);
+    if (numbers.empty() || numbers.size() % kNumbers || std::any_of(numbers.begin(), numbers.end(), [](jlong n) { return n < 0; })) {
+        throwDoppel(env, DPL_ERROR_INVALID_ARGUMENT, "a layout has one element or more, of 4 numbers that are not negative");
+        return std::nullopt;
+    }
+    const auto bytes = bytesOf(env, buffer, 0, buffer ? env->GetDirectBufferCapacity(buffer) : 0);
+    if (!bytes) return std::nullopt;
+    GivenBuffer given;
+    for (size_t i = 0; i < numbers.size(); i += kNumbers)
+        given.elements.push_back({sizeof(DplBufferElement), uint32_t(numbers[i]), numbers[i + 1] != 0 ? DPL_NUMBER_HALF : DPL_NUMBER_FLOAT,
+                                  0, uint64_t(numbers[i + 2]), uint64_t(numbers[i + 3])});
+    given.buffer = {sizeof given.buffer, uint32_t(given.elements.size()), given.elements.data(), bytes->data, bytes->size};
+    return given;
+}
+
+/** How many, and how many numbers were too large for a half. Without a layout they are only counted. */
+template <class Write>
+jlongArray writePosed(JNIEnv* env, jlongArray layout, jobject buffer, Write&& call) {
+    std::optional<GivenBuffer> given;
+    if (layout && !(given = bufferOf(env, layout, buffer))) return nullptr;
+    DplWritten written{};
+    written.structSize = sizeof written;
+    if (!check(env, call(given ? &given->buffer : nullptr, &written))) return nullptr;
+    jlongArray out = env->NewLongArray(2);
+    write(env, out, std::vector<jlong>{written.count, jlong(written.saturated)});
+    return out;
+}
+
+/** eye: 3 numbers, or null. */
+jlongArray writeSplats(JNIEnv* env, jclass, jlong avatar, jlongArray layout, jobject buffer, jint splatBudget, jfloatArray eye,
+                       jint shDegree) {
+    const std::vector<float> place = floatsOf(env, eye);
+    if (eye && place.size() != 3) return throwDoppel(env, DPL_ERROR_INVALID_ARGUMENT, "an eye has 3 numbers"), nullptr;
+    const DplSplatOptions options{sizeof options, uint32_t(splatBudget), eye ? place.data() : nullptr, uint32_t(shDegree)};
+    return writePosed(env, layout, buffer,
+                      [&](const DplBuffer* to, DplWritten* written) { return dplWriteSplats(avatarOf(avatar), &options, to, written); });
+}
+
+jlongArray writeMesh(JNIEnv* env, jclass, jlong avatar, jlongArray layout, jobject buffer) {
+    return writePosed(env, layout, buffer,
+                      [&](const DplBuffer* to, DplWritten* written) { return dplWriteMesh(avatarOf(avatar), to, written); });
+}
+
 /** trust: the shares and distances of DplPoseTrust, with the farthest joint as a number. distances: one for each joint, or null. */
 void poseTrust(JNIEnv* env, jclass, jlong avatar, jfloatArray trust, jfloatArray distances) {
     std::vector<float> values(distances ? size_t(env->GetArrayLength(distances)) : 0);
@@ -371,6 +423,8 @@ const std::vector<JNINativeMethod> kAvatarMethods = {
     method("isLayerHidden", "(JI)Z", isLayerHidden),
     method("hideLayer", "(JIZ)V", hideLayer),
     method("pick", "([J[F[I[F)Z", pick),
+    method("writeSplats", "(J[JLjava/nio/ByteBuffer;I[FI)[J", writeSplats),
+    method("writeMesh", "(J[JLjava/nio/ByteBuffer;)[J", writeMesh),
     method("poseTrust", "(J[F[F)V", poseTrust),
     method("holdPose", "(JF)V", holdPose),
     method("frameStats", "(J[J[D)V", frameStats),

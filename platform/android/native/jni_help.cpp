@@ -66,6 +66,13 @@ std::vector<double> doublesOf(JNIEnv* env, jdoubleArray array) {
     return values;
 }
 
+std::vector<jlong> longsOf(JNIEnv* env, jlongArray array) {
+    if (!array) return {};
+    std::vector<jlong> values(size_t(env->GetArrayLength(array)));
+    env->GetLongArrayRegion(array, 0, jsize(values.size()), values.data());
+    return values;
+}
+
 void write(JNIEnv* env, jfloatArray array, const std::vector<float>& values) {
     if (array) env->SetFloatArrayRegion(array, 0, std::min(env->GetArrayLength(array), jsize(values.size())), values.data());
 }

@@ -41,6 +41,7 @@ jlong numberOf(Handle handle) {
 /** Copies of arrays. Null gives an empty one. */
 std::vector<float> floatsOf(JNIEnv* env, jfloatArray array);
 std::vector<double> doublesOf(JNIEnv* env, jdoubleArray array);
+std::vector<jlong> longsOf(JNIEnv* env, jlongArray array);
 /** Writes as many values as `array` has room for. */
 void write(JNIEnv* env, jfloatArray array, const std::vector<float>& values);
 void write(JNIEnv* env, jlongArray array, const std::vector<jlong>& values);

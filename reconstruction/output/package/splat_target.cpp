@@ -53,8 +53,10 @@ std::string viewersFor(SplatTarget target, const ExportOptions& options) {
     if (target == SplatTarget::Glb) return "upright (y up, by the glTF standard) in every viewer of KHR_gaussian_splatting";
     if (target == SplatTarget::Spz) return "upright (y up, SPZ's default) in every viewer of SPZ";
     if (options.axes == "y-up")
-        return "y up, as stated: upright in three.js, Spark and the PlayCanvas engine; for SuperSplat and splat-transform leave out --axes";
-    return "half a turn about z, as stated: upright in SuperSplat and splat-transform; for three.js, Spark and the PlayCanvas engine add "
+        return "y up, as stated: upright in three.js, Spark and the PlayCanvas engine; for SuperSplat, splat-transform and Babylon.js "
+               "leave out --axes";
+    return "half a turn about z, as stated: upright in SuperSplat, splat-transform and Babylon.js; for three.js, Spark and the PlayCanvas "
+           "engine add "
            "--axes y-up";
 }
 

@@ -424,6 +424,10 @@ Status CoOptimiser::run(uint32_t maxSteps) {
     return {};
 }
 
+const std::vector<CurvePoint>& CoOptimiser::curve() const {
+    return state_->learned.curve;
+}
+
 CoOptimiseResult CoOptimiser::result() const {
     const State& s = *state_;
     CoOptimiseResult r;

@@ -116,6 +116,8 @@ public:
     Status restore(const std::filesystem::path& path);
 
     CoOptimiseResult result() const;
+    /** That of the result, without the rest. */
+    const std::vector<CurvePoint>& curve() const;
 
 private:
     struct State;

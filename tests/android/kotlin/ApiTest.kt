@@ -74,6 +74,35 @@ private class ApiTest(private val work: Path) {
         }
     }
 
+    fun splatsAndVerticesAreWritten() {
+        DoppelContext.create(Renderer.SOFTWARE, 1).use { context ->
+            context.loadAvatar(file).use { avatar ->
+                expect(avatar.splatCount() == 128, "splats are counted")
+                val layout = listOf(BufferElement(SplatProperty.POSITION, 0, 32), BufferElement(SplatProperty.COLOUR, 12, 32))
+                val buffer = java.nio.ByteBuffer.allocateDirect(128 * 32).order(java.nio.ByteOrder.nativeOrder())
+                for (i in 0 until 128 * 8) buffer.putFloat(4 * i, -7f)
+                val written = avatar.writeSplats(layout, buffer, SplatOptions(eye = floatArrayOf(0f, 1f, 5f)))
+                expect(written.count == 128 && written.saturated == 0L, "all of them are written")
+                val splats = (0 until 128).map { i -> FloatArray(8) { buffer.getFloat(32 * i + 4 * it) } }
+                expect(splats.all { abs(it[0]) < 0.55f && abs(it[2]) < 1e-5f && it[3] > it[4] + 0.3f }, "they are red and lie in the square")
+                expect(splats.all { it[6] == -7f && it[7] == -7f }, "bytes between the elements stay")
+                val mesh = java.nio.ByteBuffer.allocateDirect(24 * avatar.info.vertexCount).order(java.nio.ByteOrder.nativeOrder())
+                val normals = 12L * avatar.info.vertexCount
+                val vertices = avatar.writeMesh(listOf(BufferElement(VertexProperty.POSITION), BufferElement(VertexProperty.NORMAL, normals)), mesh)
+                expect(vertices.count == avatar.info.vertexCount && mesh.getFloat(normals.toInt() + 8) == 1f, "the square looks at +Z")
+                expectError(DoppelException.INVALID_ARGUMENT, "direct ByteBuffer", "a buffer of the heap") {
+                    avatar.writeSplats(layout, java.nio.ByteBuffer.allocate(8192))
+                }
+                expectError(DoppelException.INVALID_ARGUMENT, "", "a short buffer") {
+                    avatar.writeSplats(layout, java.nio.ByteBuffer.allocateDirect(64))
+                }
+                expectError(DoppelException.INVALID_ARGUMENT, "not negative", "a negative offset") {
+                    avatar.writeSplats(listOf(BufferElement(SplatProperty.POSITION, -4)), buffer)
+                }
+            }
+        }
+    }
+
     fun layersRaysAndPlayers() {
         DoppelContext.create(Renderer.SOFTWARE, 1).use { context ->
             context.loadAvatar(file).use { avatar ->
@@ -436,6 +465,7 @@ fun main(arguments: Array<String>) {
     test.frameEqualsTheCApi(Renderer.SOFTWARE, "software.rgba")
     test.frameEqualsTheCApi(Renderer.VULKAN, "vulkan.rgba")
     test.avatarIsDescribed()
+    test.splatsAndVerticesAreWritten()
     test.layersRaysAndPlayers()
     test.aTrackerPosesAnAvatar()
     test.clipsAreMixedAndAHeadTurns()

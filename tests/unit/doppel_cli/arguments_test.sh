@@ -53,7 +53,23 @@ for option in "--size 8x8" --stereo --turntable "--seconds 1" "--clip walk" "--t
     refuses "excludes" render a.glb -o views --scan scan $option
 done
 refuses "--time requires --clip" export a.glb -o a.ply --time 1
-refuses "--clip excludes --mesh" export a.glb -o m.glb --mesh --clip walk
+for option in "--time 1" "--fps 30"; do
+    # shellcheck disable=SC2086
+    refuses "${option%% *} excludes --mesh" export a.glb -o m.glb --mesh --clip walk $option
+done
+for option in "--texture-size 512" "--texture-format jpg" "--compress draco"; do
+    # shellcheck disable=SC2086
+    refuses "${option%% *} requires --mesh" export a.glb -o m.glb $option
+done
+refuses "--vrm requires --mesh" export a.glb -o m.vrm --vrm --author Ada
+refuses "--vrm requires --author" export a.glb -o m.vrm --mesh --vrm
+refuses "--author requires --vrm" export a.glb -o m.glb --mesh --author Ada
+refuses "--author: 1 required TEXT missing" export a.glb -o m.vrm --mesh --vrm --author=
+refuses "with --vrm the file must end in .vrm" export a.glb -o m.glb --mesh --vrm --author Ada
+refuses "with --mesh the file must end in .glb" export a.glb -o m.vrm --mesh
+for side in 0 128 1000 16384 2k -1; do
+    refuses "'$side' is no power of two from 256 to 8192" export a.glb -o m.glb --mesh --texture-size=$side
+done
 for option in --turntable "--seconds 2"; do
     # shellcheck disable=SC2086
     refuses "a.png is one picture, and ${option%% *} makes many" render a.glb -o a.png $option

@@ -128,7 +128,7 @@ check(furthest(draw("figure.ply", "--axes", "y-down")[0], upright) > 50, "the us
 # Exports come back as they went, and name the viewers that show them upright.
 for out, options, last in [("out.glb", [], "upright (y up"), ("out.spz", [], "upright (y up"),
                            ("three.spz", ["--spz-version", "3"], "upright (y up"),
-                           ("out.ply", [], "upright in SuperSplat and splat-transform"),
+                           ("out.ply", [], "upright in SuperSplat, splat-transform and Babylon.js"),
                            ("up.ply", ["--axes", "y-up"], "upright in three.js, Spark")]:
     text = says(["export", "down.ply", "-o", out, *options], "bytes (", "a splat) in " + out)
     check(last in text.strip().splitlines()[-1], f"the last line of {out} names viewers: {text.strip().splitlines()[-1]}")

@@ -4,7 +4,9 @@
 #include <csignal>
 #include <nlohmann/json.hpp>
 
+#include "reconstruction/run/run_news.h"
 #include "tests/unit/recon_run/toy_reconstruction.h"
+#include "tests/unit/wait_until.h"
 
 namespace dpl::test {
 namespace {
@@ -100,6 +102,21 @@ TEST_F(StageCoOptimise, theStepsThatABudgetAllowedArePartOfTheKeyOfLaterStages) 
     EXPECT_EQ(second.steps, 110u);
     EXPECT_NE(second.key, first.key);
     EXPECT_EQ(must(train()).key, second.key) << "read back";
+}
+
+TEST_F(StageCoOptimise, whoWatchesChangesNothing) {
+    const Trained alone = must(train());
+    fs::remove_all(folder_);
+    toy_.table.scan.frames.back().split = Split::Validation;
+    RunNews news(toy_.folder / "out");
+    const ToldNews told(toy_.progress, news);
+    const Trained watched = must(train());
+    EXPECT_EQ(watched.key, alone.key);
+    EXPECT_EQ(watched.result.splats.sh, alone.result.splats.sh);
+    EXPECT_EQ(watched.result.splats.scaleM, alone.result.splats.scaleM);
+    EXPECT_EQ(watched.result.restPositions, alone.result.restPositions);
+    const auto shown = [&](const char* file) { return fs::exists(toy_.folder / "out" / file); };
+    EXPECT_TRUE(waitUntil([&] { return shown(RunNews::kAvatar) && shown(RunNews::kHeldBack); }));
 }
 
 TEST_F(StageCoOptimise, aKillBeforeTheManifestCostsNothing) {

@@ -57,6 +57,11 @@ TEST_F(SubjectTest, playsItsFirstClipAndStandsAside) {
     ASSERT_TRUE(subject.pose(at(1.5), 0));  // the clip repeats after 1 s
     expectNear(jointAt(subject, 0), {-2, 1.25f, 0});
     EXPECT_FLOAT_EQ(float(subject.box().low.x), -2.5f);
+    subject.movedM = {0.5f, 3};
+    ASSERT_TRUE(subject.pose(at(1.5), 0));
+    expectNear(jointAt(subject, 0), {-1.5f, 1.25f, 3});
+    EXPECT_FLOAT_EQ(float(subject.box().low.x), -2);
+    EXPECT_FLOAT_EQ(float(subject.box().high.z), 3);
 }
 
 TEST_F(SubjectTest, theCameraStaysWhereTheScanHasDetails) {

@@ -252,6 +252,20 @@ def take_web_three(place):
     return place.json_lines("web-three", ["tools/prove-web", "--three"])
 
 
+def take_viewers(place):
+    if not shutil.which("npm"):
+        raise Skipped("npm is not installed")
+    return [{**row, "bars": viewer_bars(row)} for row in place.json_lines("viewers", ["tools/prove-viewers", place.avatar()])]
+
+
+def viewer_bars(row):
+    """Exported splats in viewers that draw them by the same rules but for the low-pass and the gate."""
+    least = {"playcanvas": 40, "babylon": 40, "spark": 36}.get(row["viewer"])
+    if "cannot" in row or row["kind"] != "splats" or row["stands"] != "upright" or least is None:
+        return {}
+    return {"sides_db": at_least(least), "sides_patch": at_most(8)}
+
+
 def take_load_frames(place):
     rows = place.json_lines("load-frames", [place.program("bench_load_frames"), 500000])
     return [{**row, "bars": {}} for row in rows]
@@ -459,6 +473,7 @@ BENCHES = [
     Bench("web", "web", 6, "WebGL2 in headless Chromium, by SwiftShader", "tools/prove-web --webgl", (), take_web),
     Bench("web-three", "web", 6, "scenes of three.js, and other renderers of splats, in headless Chromium", "tools/prove-web --three", (),
           take_web_three),
+    Bench("viewers", "web", 10, "exported files in other people's viewers, in headless Chromium", "tools/prove-viewers demo/avatar/avatar.glb", (), take_viewers),
     Bench("load-frames", "quick", 0.5, "the longest frame while 500,000 splats load", "build/release/tools/bench/bench_load_frames 500000",
           ("bench_load_frames",), take_load_frames),
     Bench("steady", "quick", 0.1, "frames until a frame budget holds, on simulated devices",

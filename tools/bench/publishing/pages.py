@@ -309,7 +309,28 @@ def web(store):
         "# In a browser\n\nHeadless Chromium draws a sample person and the conformance kit by WebGL2, with the module of `platform/web`. There is no "
         "GPU here: SwiftShader blends on the CPU, so the time until the pixels are there says nothing about any device. No phone has been measured. "
         "*RGBA8*: what devices without float targets draw. All cases of the kit are here.\n\n")
-    return text + section(store, "web", "WebGL2 against the CPU renderer", body) + "\n" + web_three(store)
+    return text + section(store, "web", "WebGL2 against the CPU renderer", body) + "\n" + web_three(store) + "\n" + viewers(store)
+
+
+VIEWERS = {"blender": "Blender, Cycles", "three": "three.js, GLTFLoader", "three-splats": "three.js, its own splats", "spark": "Spark", "playcanvas": "PlayCanvas engine",
+           "babylon": "Babylon.js"}
+
+
+def viewers(store):
+    def cells(row):
+        start = [f"{VIEWERS[row['viewer']]} {row['version']}", f"`{row['file']}`"]
+        if "cannot" in row:
+            return [*start, f"cannot: {row['cannot']}", *[NOTHING] * 5]
+        return [*start, row["stands"], f"{100 * row['height']:.1f} %", f"{barred(row, 'sides_db', 1)} · {number(row['sides_covered_db'], 1)}",
+                barred(row, "sides_patch", 0), f"{number(row['near_db'], 1)} · {number(row['near_covered_db'], 1)}", number(row["near_patch"], 0)]
+
+    def body(rows):
+        return ("One person at rest, 480 × 640 pixels over white, against `dplRender`: from eight sides (three.js' own splats and Spark from two: on SwiftShader they take longest), and the face from 0.7 m. dB of all pixels · "
+                "of those that either picture covers. *Worst patch*: the mean difference in the worst square of 16 pixels, levels. A viewer has no gate, "
+                "draws with a low-pass of its own, and smooths the edges of meshes as it likes.\n\n" + table(
+                    ["viewer", "file", "stands", "height", "eight sides, dB", "worst patch", "0.7 m, dB", "worst patch"],
+                    [cells(r) for r in rows]))
+    return section(store, "viewers", "Exported files in other people's viewers", body)
 
 
 PEERS = {"doppel": "Doppel: pose, cull, project, sort and draw, `DoppelGroup`", "spark": "Spark: sort in a worker and draw",

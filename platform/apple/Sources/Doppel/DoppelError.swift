@@ -79,6 +79,10 @@ extension DplCamera: Sized {}
 extension DplImage: Sized {}
 extension DplDetail: Sized {}
 extension DplFrameStats: Sized {}
+extension DplBufferElement: Sized {}
+extension DplBuffer: Sized {}
+extension DplSplatOptions: Sized {}
+extension DplWritten: Sized {}
 
 /// A handle of the C interface. It is a number that the library checks, and the library orders calls of different threads.
 struct Handle: @unchecked Sendable {

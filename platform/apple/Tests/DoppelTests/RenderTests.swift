@@ -132,6 +132,51 @@ final class RenderTests: XCTestCase {
         XCTAssertEqual(try avatar.pose().root.y, 0.5, accuracy: 1e-4)
     }
 
+    func testSplatsAndVerticesAreWrittenInTheLayoutOfTheApp() throws {
+        let context = try DoppelContext(renderer: .software)
+        let avatar = try context.loadAvatar(TestAvatar.bytes)
+        try avatar.setTransform(RigidPose(position: SIMD3(3, 0, 0)))
+        let front = SplatOptions(eye: SIMD3(3, 1, 5)), behind = SplatOptions(eye: SIMD3(3, 1, -5))
+        XCTAssertEqual(try avatar.splatCount(), 128)
+        let layout: [BufferElement<SplatProperty>] = [
+            BufferElement(.position, strideBytes: 32), BufferElement(.colour, offsetBytes: 12, strideBytes: 32),
+            BufferElement(.opacity, offsetBytes: 24, strideBytes: 32),
+        ]
+        func numbers(_ options: SplatOptions) throws -> [Float] {
+            var out = [Float](repeating: -7, count: 128 * 8)
+            let written = try out.withUnsafeMutableBytes { try avatar.writeSplats(layout, into: $0, options) }
+            XCTAssertEqual(written, Written(count: 128, saturated: 0))
+            return out
+        }
+        let seen = try numbers(front)
+        for i in 0..<128 {
+            XCTAssertEqual(seen[8 * i], 3, accuracy: 0.5)
+            XCTAssertEqual(seen[8 * i + 2], 0, accuracy: 1e-5)
+            XCTAssertGreaterThan(seen[8 * i + 3], seen[8 * i + 4] + 0.3, "it is red")
+            XCTAssertEqual(seen[8 * i + 7], -7, "bytes between the elements stay")
+        }
+        let opacity = stride(from: 6, to: 1024, by: 8)
+        XCTAssertGreaterThan(opacity.reduce(0) { $0 + seen[$1] }, 10)
+        let backs = try numbers(behind)
+        XCTAssertLessThan(opacity.reduce(0) { $0 + backs[$1] }, opacity.reduce(0) { $0 + seen[$1] } + 1e-3)
+
+        let vertexCount = try avatar.info().vertexCount
+        var vertices = [Float](repeating: 0, count: 6 * vertexCount)
+        let mesh = [BufferElement<VertexProperty>(.position), BufferElement(.normal, offsetBytes: 12 * vertexCount)]
+        XCTAssertEqual(try vertices.withUnsafeMutableBytes { try avatar.writeMesh(mesh, into: $0) }.count, vertexCount)
+        XCTAssertEqual(vertices[0], 3, accuracy: 0.51)
+        XCTAssertEqual(vertices[3 * vertexCount + 2], 1, accuracy: 1e-5, "the square looks at +Z")
+
+        let refused: [[BufferElement<SplatProperty>]] = [
+            [BufferElement(.position, offsetBytes: -4)], [BufferElement(.position, strideBytes: 8)], [BufferElement(.harmonics, offsetBytes: 1 << 40)],
+        ]
+        for wrong in refused {
+            XCTAssertThrowsError(try vertices.withUnsafeMutableBytes { try avatar.writeSplats(wrong, into: $0) }) {
+                XCTAssertEqual(($0 as? DoppelError)?.code, .invalidArgument)
+            }
+        }
+    }
+
     func testAPlayerFadesPausesAndForgets() throws {
         let context = try DoppelContext(renderer: .software)
         let avatar = try context.loadAvatar(TestAvatar.bytes)

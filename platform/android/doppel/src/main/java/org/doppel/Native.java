@@ -61,6 +61,8 @@ final class Native {
     static native boolean isLayerHidden(long avatar, int layer);
     static native void hideLayer(long avatar, int layer, boolean hidden);
     static native boolean pick(long[] avatars, float[] ray, int[] indices, float[] place);
+    static native long[] writeSplats(long avatar, long[] layout, ByteBuffer buffer, int splatBudget, float[] eye, int shDegree);
+    static native long[] writeMesh(long avatar, long[] layout, ByteBuffer buffer);
     static native void poseTrust(long avatar, float[] trust, float[] distances);
     static native void holdPose(long avatar, float limit);
     static native void frameStats(long avatar, long[] counts, double[] times);

@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "reconstruction/output/package/t_pose.h"
+
+#include "sdk/avatar/aimed_pose.h"
+#include "sdk/avatar/rig.h"
+
+namespace dpl {
+
+void restInTPose(AvatarData& avatar, Jobs& jobs) {
+    const std::vector<LimbAim> arm = {armAim(0, 90), forearmAim(0, 90), {"Hand", "MiddleProximal", 90, 0, /*follows=*/true}};
+    const Pose pose = PoseAimer(avatar.joints).pose({arm, arm});
+    std::vector<Mat3x4f> worldFromRest;
+    jointTransforms(avatar.joints, pose, worldFromRest);
+    std::vector<Vec3f> positions;
+    skin(avatar.mesh, worldFromRest, jobs, positions);
+    avatar.mesh.restPositions = std::move(positions);
+    for (size_t j = 0; j < avatar.joints.size(); ++j)
+        avatar.joints[j].restPosition = worldFromRest[j] * Vec4f(avatar.joints[j].restPosition, 1);
+    avatar.clips.clear(), avatar.splats = {}, avatar.correctives = {};
+}
+
+}  // namespace dpl

@@ -1,0 +1,250 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "reconstruction/output/package/texture_bake.h"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include "reconstruction/output/package/avatar_drawer.h"
+#include "reconstruction/output/package/texture_fill.h"
+#include "reconstruction/subject/shape/implicit_mesh.h"
+#include "reconstruction/subject/surface/mesh_raster.h"
+#include "sdk/core/task.h"
+#include "sdk/math/projection.h"
+#include "sdk/splat/mesh_depth.h"
+
+namespace dpl {
+namespace {
+
+constexpr float kOutlineM = 0.006f;     // splats reach so far over the outline of what they lie on
+constexpr float kDepthErrorM = 0.002f;  // of a depth at a pixel's centre, on a surface that faces the camera
+constexpr float kContactM = 0.015f;     // what is so near to a surface lies on it, and its outline is part of the picture: hair, hems
+constexpr float kFacing = 4;            // power of the cosine in the weight of a picture; more follow it, fewer blur
+constexpr float kLeastCosine = 0.15f;
+constexpr float kLeastAlpha = 0.5f;
+constexpr float kBesideOutline = 1e-4f;  // weight of a picture that sees a texel beside an outline: only where no other sees it
+constexpr uint32_t kGrain = 64;
+
+/** A texel that a chart covers. */
+struct Texel {
+    uint32_t pixel;
+    Vec2f barycentric;  // of corners 1 and 2
+};
+
+/** Texels by triangle: those of t are [start[t], start[t + 1]). */
+struct Texels {
+    std::vector<Texel> all;
+    std::vector<uint32_t> start{0};
+};
+
+Texels texelsOf(const MeshAtlas& atlas) {
+    Texels out;
+    std::vector<bool> taken(size_t(atlas.sidePx) * atlas.sidePx, false);
+    for (const auto& c : atlas.corners) {
+        const Vec2f first = glm::min(c[0], glm::min(c[1], c[2])), last = glm::max(c[0], glm::max(c[1], c[2]));
+        const Vec2f a = c[1] - c[0], b = c[2] - c[0];
+        const float doubled = a.x * b.y - a.y * b.x;
+        if (doubled != 0)
+            for (uint32_t y = uint32_t(std::max(0.0f, first.y - 0.5f)); y <= std::min(uint32_t(last.y), atlas.sidePx - 1); ++y)
+                for (uint32_t x = uint32_t(std::max(0.0f, first.x - 0.5f)); x <= std::min(uint32_t(last.x), atlas.sidePx - 1); ++x) {
+                    const Vec2f p = Vec2f(float(x) + 0.5f, float(y) + 0.5f) - c[0];
+                    const Vec2f at((p.x * b.y - p.y * b.x) / doubled, (a.x * p.y - a.y * p.x) / doubled);
+                    const size_t pixel = size_t(y) * atlas.sidePx + x;
+                    if (at.x < 0 || at.y < 0 || at.x + at.y > 1 || taken[pixel]) continue;
+                    taken[pixel] = true;
+                    out.all.push_back({uint32_t(pixel), at});
+                }
+        out.start.push_back(uint32_t(out.all.size()));
+    }
+    return out;
+}
+
+enum class Sight { Free, BesideOutline, Hidden };
+
+/** Depth of a mesh in a picture, and the least depth within the width of an outline around each pixel. 0: nothing. */
+class Depths {
+public:
+    void draw(Jobs& jobs, std::span<const Vec3f> positions, std::span<const Triangle> triangles, const Cameraf& camera, uint32_t reachPx) {
+        reachPx_ = reachPx;
+        depth_.draw(jobs, positions, triangles, camera, here_);
+        around_.resize(here_.size()), rows_.resize(here_.size());
+        const int width = int(camera.widthPx), height = int(camera.heightPx), reach = int(reachPx);
+        const auto nearer = [](float a, float b) { return a > 0 && (b <= 0 || a < b) ? a : b; };
+        jobs.forRange(height, 16, [&](size_t begin, size_t end, uint32_t) {
+            for (int y = int(begin); y < int(end); ++y)
+                for (int x = 0; x < width; ++x) {
+                    float least = 0;
+                    for (int k = std::max(0, x - reach); k <= std::min(width - 1, x + reach); ++k)
+                        least = nearer(here_[size_t(y) * width + k], least);
+                    rows_[size_t(y) * width + x] = least;
+                }
+        });
+        jobs.forRange(height, 16, [&](size_t begin, size_t end, uint32_t) {
+            for (int y = int(begin); y < int(end); ++y) {
+                float* out = around_.data() + size_t(y) * width;
+                std::fill(out, out + width, 0.0f);
+                for (int k = std::max(0, y - reach); k <= std::min(height - 1, y + reach); ++k)
+                    for (int x = 0; x < width; ++x) out[x] = nearer(rows_[size_t(k) * width + x], out[x]);
+            }
+        });
+    }
+    /** How the picture sees a point of the mesh: at `inView` and `pixel`, on a face with this normal in the view and this cosine to the
+     * eye. */
+    Sight sightOf(const Vec3f& inView, const Vec2f& pixel, const Vec3f& faceInView, float cosine, const Cameraf& camera) const {
+        const size_t at = size_t(pixel.y) * camera.widthPx + size_t(pixel.x);
+        // The depth of the face at the pixel's centre, where the picture of depths has its value.
+        const Vec3f centre((std::floor(pixel.x) + 0.5f - camera.cx) / camera.fx, (std::floor(pixel.y) + 0.5f - camera.cy) / camera.fy, 1);
+        const float ahead = glm::dot(faceInView, centre), depth = ahead != 0 ? glm::dot(faceInView, inView) / ahead : inView.z;
+        const float recedes = inView.z / camera.fx * std::sqrt(1 - std::min(1.0f, cosine * cosine)) / cosine;  // over a pixel
+        if (!(here_[at] > 0) || std::max(depth, inView.z - recedes) > here_[at] + kDepthErrorM) return Sight::Hidden;
+        return inView.z > around_[at] + kContactM + recedes * float(reachPx_ + 1) ? Sight::BesideOutline : Sight::Free;
+    }
+
+private:
+    MeshDepth depth_;
+    uint32_t reachPx_ = 0;
+    std::vector<float> here_, around_, rows_;
+};
+
+/** The straight colour of a picture at a place, and how opaque it is there; bilinear. */
+struct Sample {
+    Vec3f colour;
+    float alpha;
+};
+std::optional<Sample> sampleAt(const SplatImage& image, const Vec2f& pixel) {
+    const float x = pixel.x - 0.5f, y = pixel.y - 0.5f;
+    if (!(x >= 0 && y >= 0 && x < float(image.widthPx - 1) && y < float(image.heightPx - 1))) return std::nullopt;
+    const uint32_t x0 = uint32_t(x), y0 = uint32_t(y);
+    const float fx = x - float(x0), fy = y - float(y0);
+    Sample out{Vec3f(0), 0};
+    for (uint32_t k = 0; k < 4; ++k) {
+        const size_t p = size_t(y0 + k / 2) * image.widthPx + x0 + k % 2;
+        const float share = (k % 2 ? fx : 1 - fx) * (k / 2 ? fy : 1 - fy);
+        out.colour += share * Vec3f(image.rgb[3 * p], image.rgb[3 * p + 1], image.rgb[3 * p + 2]);
+        out.alpha += share * image.alpha[p];
+    }
+    if (out.alpha < kLeastAlpha) return std::nullopt;
+    out.colour /= out.alpha;
+    return out;
+}
+
+/** The colour texture, picture by picture. */
+class TextureBake {
+public:
+    TextureBake(const MeshData& mesh, std::span<const Vec3f> positions, const MeshAtlas& atlas, Jobs& jobs)
+        : mesh_(mesh),
+          positions_(positions),
+          normals_(vertexNormals(positions, mesh.triangles)),
+          atlas_(atlas),
+          texels_(texelsOf(atlas)),
+          sum_(texels_.all.size(), Vec4f(0)),
+          jobs_(jobs) {}
+
+    void add(const TextureView& view, const SplatImage& image) {
+        depths_.draw(jobs_, positions_, mesh_.triangles, view.camera, std::max(1u, uint32_t(std::ceil(kOutlineM / view.pixelM))));
+        jobs_.forRange(mesh_.triangles.size(), kGrain, [&](size_t begin, size_t end, uint32_t) {
+            for (size_t t = begin; t < end; ++t)
+                if (texels_.start[t] < texels_.start[t + 1]) addTriangle(t, view, image);
+        });
+    }
+
+    std::vector<uint8_t> finish() const {
+        TextureFill fill(atlas_.sidePx);
+        std::vector<Vec4f> ofVertex(positions_.size(), Vec4f(0));
+        forTexels([&](const Triangle& corners, const Vec3f& share, const Texel& texel, const Vec4f& sum) {
+            if (!(sum.w > 0)) return;
+            const Vec3f colour = Vec3f(sum) / sum.w;
+            fill.set(texel.pixel, colour);
+            for (int k = 0; k < 3; ++k) ofVertex[corners[k]] += Vec4f(share[k] * colour, share[k]);
+        });
+        const std::vector<Vec3f> around = spreadColours(ofVertex, mesh_);
+        forTexels([&](const Triangle& corners, const Vec3f& share, const Texel& texel, const Vec4f& sum) {
+            if (sum.w > 0) return;
+            fill.set(texel.pixel, share.x * around[corners.x] + share.y * around[corners.y] + share.z * around[corners.z]);
+        });
+        return fill.finish(2 * atlas_.gutterPx);
+    }
+
+private:
+    template <class Body>
+    void forTexels(Body body) const {
+        for (size_t t = 0; t < mesh_.triangles.size(); ++t)
+            for (uint32_t i = texels_.start[t]; i < texels_.start[t + 1]; ++i) {
+                const Vec2f at = texels_.all[i].barycentric;
+                body(mesh_.triangles[t], Vec3f(1 - at.x - at.y, at.x, at.y), texels_.all[i], sum_[i]);
+            }
+    }
+
+    void addTriangle(size_t t, const TextureView& view, const SplatImage& image) {
+        const Cameraf& camera = view.camera;
+        const Triangle& c = mesh_.triangles[t];
+        const Vec3f eye = camera.eye(), first = positions_[c.x], e1 = positions_[c.y] - first, e2 = positions_[c.z] - first;
+        const Vec3f across = glm::cross(e1, e2);
+        const float length = glm::length(across);
+        if (!(length > 0)) return;
+        const Vec3f face = across / length, faceInView = camera.viewFromWorldRotation * face;
+        if (glm::dot(face, eye - first) <= 0) return;
+        for (uint32_t i = texels_.start[t]; i < texels_.start[t + 1]; ++i) {
+            const Vec2f at = texels_.all[i].barycentric;
+            const Vec3f p = first + at.x * e1 + at.y * e2, inView = camera.toView(p);
+            if (!(inView.z > float(kNearM))) continue;
+            const Vec2f pixel = camera.pixelOf(inView);
+            if (!(pixel.x >= 0 && pixel.y >= 0 && pixel.x < float(camera.widthPx) && pixel.y < float(camera.heightPx))) continue;
+            const Vec3f toEye = glm::normalize(eye - p);
+            const Vec3f normal = glm::normalize((1 - at.x - at.y) * normals_[c.x] + at.x * normals_[c.y] + at.y * normals_[c.z]);
+            const float flat = glm::dot(face, toEye), cosine = std::min(flat, glm::dot(normal, toEye));
+            if (cosine < kLeastCosine) continue;
+            const Sight sight = depths_.sightOf(inView, pixel, faceInView, flat, camera);
+            if (sight == Sight::Hidden) continue;
+            const auto sample = sampleAt(image, pixel);
+            if (!sample) continue;
+            const float weight =
+                view.weight * std::pow(cosine * sample->alpha, kFacing) * (sight == Sight::BesideOutline ? kBesideOutline : 1);
+            sum_[i] += Vec4f(weight * sample->colour, weight);
+        }
+    }
+
+    const MeshData& mesh_;
+    std::span<const Vec3f> positions_;
+    std::vector<Vec3f> normals_;  // V, unit
+    const MeshAtlas& atlas_;
+    Texels texels_;
+    std::vector<Vec4f> sum_;  // of each texel: colour times weight, weight
+    Jobs& jobs_;
+    Depths depths_;
+};
+
+}  // namespace
+
+Result<std::vector<uint8_t>> bakeTexture(const AvatarData& avatar, std::span<const Vec3f> positions, const MeshAtlas& atlas,
+                                         std::span<const TextureView> views, Jobs& jobs) try {
+    TextureBake bake(avatar.mesh, positions, atlas, jobs);
+    const ClothClearance clearance(avatar.joints, avatar.mesh, avatar.correctives);
+    AvatarDrawer drawer(avatar, jobs, &clearance);
+    const Pose rest = Pose::rest(avatar.joints.size());
+    SplatImage image;
+    for (size_t v = 0; v < views.size(); ++v) {
+        DPL_RETURN_IF_ERROR(taskAt(double(v) / double(views.size()), formatText("view {} of {}", v + 1, views.size())));
+        drawer.project(rest, views[v].camera).blend(image);
+        bake.add(views[v], image);
+    }
+    return bake.finish();
+} catch (const std::bad_alloc&) {
+    return fail(Code::OutOfMemory, "there is not enough memory for a texture of {} pixels a side; give a smaller --texture-size",
+                atlas.sidePx);
+}
+
+std::vector<bool> seenTriangles(std::span<const Vec3f> positions, std::span<const Triangle> triangles, std::span<const TextureView> views) {
+    std::vector<bool> vertexSeen(positions.size(), false);
+    for (const TextureView& view : views) {
+        const MeshRaster raster = rasteriseMesh(positions, triangles, view.camera.cast<double>());
+        for (const uint32_t t : raster.triangle)
+            if (t != kNoTriangle)
+                for (int k = 0; k < 3; ++k) vertexSeen[triangles[t][k]] = true;
+    }
+    std::vector<bool> out;
+    for (const Triangle& t : triangles) out.push_back(vertexSeen[t.x] || vertexSeen[t.y] || vertexSeen[t.z]);
+    return out;
+}
+
+}  // namespace dpl

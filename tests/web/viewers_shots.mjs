@@ -1,0 +1,16 @@
+// SPDX-License-Identifier: Apache-2.0
+// Cameras from which other viewers draw exported files: eight sides, and the face from 0.7 m.
+export const WIDTH = 480, HEIGHT = 640;
+
+const side = i => [3 * Math.sin(i * Math.PI / 4), 1, 3 * Math.cos(i * Math.PI / 4)];
+export const SHOTS = [
+  ...Array.from({ length: 8 }, (_, i) => ({ name: `side-${i}`, eye: side(i), target: [0, 0.9, 0], fovY: 0.7 })),
+  { name: 'near', eye: [0.12, 1.6, 0.7], target: [0, 1.55, 0], fovY: 0.6 },
+];
+
+/** The shots of a viewer. Two take some twenty seconds a picture where SwiftShader stands in for a GPU. */
+const SLOW = ['three-splats', 'spark'], FEW = ['side-0', 'side-3', 'near'];
+export const shotsOf = viewer => SHOTS.filter(({ name }) => !SLOW.includes(viewer) || FEW.includes(name));
+
+/** A line of the referee's input: the avatar at rest. */
+export const line = shot => [-1, 0, ...shot.eye, ...shot.target, shot.fovY, WIDTH, HEIGHT, `${shot.name}.rgba`].join(' ');

@@ -1,0 +1,137 @@
+// SPDX-License-Identifier: Apache-2.0
+// node viewers_test.mjs [--json FILE]: what `doppel export` wrote, in other people's viewers, against dplRender. WEB_WORK/viewers holds
+// files.json ({label, name, url, kind}) and the pictures of the referee; WEB_VIEWERS: JSON of {viewer: {version, folders of visit()}},
+// or with `folder` in their place, that of blender_draw.py. Pictures go to
+// WEB_WORK/viewers/VIEWER, figures to FILE, a JSON object a line. The rest: browser.mjs.
+import assert from 'node:assert/strict';
+import fs from 'node:fs';
+import path from 'node:path';
+import { parseArgs } from 'node:util';
+import { visit } from './browser.mjs';
+import { png } from './png.mjs';
+import { HEIGHT, SHOTS, shotsOf, WIDTH } from './viewers_shots.mjs';
+
+const PATCH = 16;
+const LEAST_SEEN = 0.5;  // of the height: less is a person who hangs below the floor, head down
+const POLICY = "script-src * 'unsafe-inline' 'unsafe-eval' data: blob:; worker-src * data: blob:";
+const work = path.join(process.env.WEB_WORK, 'viewers');
+const { values: options } = parseArgs({ options: { json: { type: 'string' } } });
+const files = JSON.parse(fs.readFileSync(path.join(work, 'files.json')));
+
+/** The referee's picture, premultiplied, over white. */
+function reference(shot) {
+  const rgba = fs.readFileSync(path.join(work, `${shot.name}.rgba`)), out = new Uint8Array(rgba.length).fill(255);
+  const covered = new Uint8Array(WIDTH * HEIGHT);
+  for (let p = 0; p < covered.length; ++p) {
+    covered[p] = rgba[4 * p + 3] > 0;
+    for (let c = 0; c < 3; ++c) out[4 * p + c] = Math.min(255, rgba[4 * p + c] + 255 - rgba[4 * p + 3]);
+  }
+  return { rgba: out, covered };
+}
+
+const isDrawn = (rgba, p) => Math.min(rgba[4 * p], rgba[4 * p + 1], rgba[4 * p + 2]) < 250;
+
+/** Sums of squares: of all pixels, of covered ones; the patch with the largest mean difference, levels. */
+function differences(rgba, { rgba: expected, covered }) {
+  let all = 0, inside = 0, insideCount = 0, patch = 0;
+  for (let y0 = 0; y0 + PATCH <= HEIGHT; y0 += PATCH)
+    for (let x0 = 0; x0 + PATCH <= WIDTH; x0 += PATCH) {
+      let sum = 0;
+      for (let y = y0; y < y0 + PATCH; ++y)
+        for (let x = x0; x < x0 + PATCH; ++x) {
+          const p = y * WIDTH + x;
+          let square = 0;
+          for (let c = 0; c < 3; ++c) square += (rgba[4 * p + c] - expected[4 * p + c]) ** 2, sum += Math.abs(rgba[4 * p + c] - expected[4 * p + c]);
+          all += square;
+          if (covered[p] || isDrawn(rgba, p)) inside += square, ++insideCount;
+        }
+      patch = Math.max(patch, sum / (3 * PATCH * PATCH));
+    }
+  return { all, inside, insideCount, patch };
+}
+
+const decibels = (sum, pixels) => 10 * Math.log10(255 * 255 * 3 * pixels / Math.max(sum, 1e-9));
+
+function heightOf(isSet) {
+  let first = -1, last = -1;
+  for (let y = 0; y < HEIGHT; ++y)
+    for (let x = 0; x < WIDTH; ++x)
+      if (isSet(y * WIDTH + x)) {
+        if (first < 0) first = y;
+        last = y;
+        break;
+      }
+  return first < 0 ? 0 : last - first + 1;
+}
+
+/** "upright", or how the picture is turned, by the turn that suits best. */
+function standing(rgba, expected) {
+  const turned = { upright: (x, y) => y * WIDTH + x, 'upside down': (x, y) => (HEIGHT - 1 - y) * WIDTH + (WIDTH - 1 - x),
+    mirrored: (x, y) => y * WIDTH + (WIDTH - 1 - x), 'mirrored upside down': (x, y) => (HEIGHT - 1 - y) * WIDTH + x };
+  let best = ['', Infinity];
+  for (const [name, at] of Object.entries(turned)) {
+    let sum = 0;
+    for (let y = 0; y < HEIGHT; ++y)
+      for (let x = 0; x < WIDTH; ++x) for (let c = 0; c < 3; ++c) sum += (rgba[4 * at(x, y) + c] - expected.rgba[4 * (y * WIDTH + x) + c]) ** 2;
+    if (sum < best[1]) best = [name, sum];
+  }
+  return best[0];
+}
+
+const references = Object.fromEntries(SHOTS.map(shot => [shot.name, reference(shot)]));
+
+/** The row of a file in a viewer. */
+function score(label, viewer, pictures) {
+  const shots = shotsOf(viewer), count = shots.length - 1;
+  const sides = { all: 0, inside: 0, insideCount: 0, patch: 0 };
+  let near;
+  for (const shot of shots) {
+    const found = differences(pictures.get(`${label}-${shot.name}`), references[shot.name]);
+    if (shot.name === 'near') near = found;
+    else sides.all += found.all, sides.inside += found.inside, sides.insideCount += found.insideCount, sides.patch = Math.max(sides.patch, found.patch);
+  }
+  const front = pictures.get(`${label}-side-0`), expected = references['side-0'];
+  const height = heightOf(p => isDrawn(front, p)) / heightOf(p => isDrawn(expected.rgba, p));
+  return {
+    stands: height < LEAST_SEEN ? 'out of sight' : standing(front, expected), height,
+    sides: count, sides_db: decibels(sides.all, count * WIDTH * HEIGHT), sides_covered_db: decibels(sides.inside, sides.insideCount), sides_patch: sides.patch,
+    near_db: decibels(near.all, WIDTH * HEIGHT), near_covered_db: decibels(near.inside, near.insideCount), near_patch: near.patch,
+  };
+}
+
+/** What blender_draw.py left, as visit() tells it. */
+function ofBlender(folder) {
+  const found = {}, pictures = new Map();
+  for (const { label } of files.filter(({ kind }) => kind === 'mesh')) {
+    const why = path.join(folder, `${label}.txt`);
+    found[label] = fs.existsSync(why) ? { cannot: fs.readFileSync(why, 'utf8').slice(0, 200) } : {};
+    for (const { name } of found[label].cannot ? [] : SHOTS) pictures.set(`${label}-${name}`, fs.readFileSync(path.join(folder, `${label}-${name}.rgba`)));
+  }
+  return { result: { files: found }, pictures };
+}
+
+const rows = [];
+for (const [viewer, { version, folders, folder }] of Object.entries(JSON.parse(process.env.WEB_VIEWERS))) {
+  const { result, pictures } = folder ? ofBlender(folder) : await visit(`viewers.html?viewer=${viewer}`, folders, POLICY);
+  fs.mkdirSync(path.join(work, viewer), { recursive: true });
+  for (const { label, kind } of files.filter(file => result.files[file.label])) {  // others are not for this viewer
+    const { cannot } = result.files[label];
+    const row = { row: 'viewer', viewer, version, file: label, kind, ...(cannot ? { cannot } : score(label, viewer, pictures)) };
+    for (const shot of cannot ? [] : shotsOf(viewer))
+      fs.writeFileSync(path.join(work, viewer, `${label}-${shot.name}.png`), png(pictures.get(`${label}-${shot.name}`), WIDTH, HEIGHT));
+    rows.push(row);
+    console.log(cannot ? `${viewer} ${version}: ${label}: cannot: ${cannot}` : `${viewer} ${version}: ${label}: ${row.stands}, ` +
+      `${(100 * row.height).toFixed(1)} % of the height, ${row.sides} sides ${row.sides_db.toFixed(1)} dB (covered ${row.sides_covered_db.toFixed(1)}, patch ` +
+      `${row.sides_patch.toFixed(1)}), near ${row.near_db.toFixed(1)} dB (${row.near_covered_db.toFixed(1)}, ${row.near_patch.toFixed(1)})`);
+  }
+}
+for (const shot of SHOTS) fs.writeFileSync(path.join(work, `${shot.name}.png`), png(references[shot.name].rgba, WIDTH, HEIGHT));
+if (options.json) fs.writeFileSync(options.json, rows.map(row => `${JSON.stringify(row)}\n`).join(''));
+
+// What the guide promises of each file must hold: somebody shows it, upright and of the right size.
+for (const { label, kind } of files) {
+  const shown = rows.filter(row => row.file === label && !row.cannot);
+  assert.ok(shown.length > 0, `no viewer shows ${label}`);
+  assert.ok(shown.some(row => row.stands === 'upright'), `${label} stands in no viewer`);
+  for (const row of shown.filter(({ stands }) => stands === 'upright')) assert.ok(Math.abs(row.height - 1) < 0.02, `${row.viewer} shows ${label} at ${row.height} of its height`);
+}
