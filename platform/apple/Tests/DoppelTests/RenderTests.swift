@@ -168,7 +168,8 @@ final class RenderTests: XCTestCase {
         XCTAssertEqual(vertices[3 * vertexCount + 2], 1, accuracy: 1e-5, "the square looks at +Z")
 
         let refused: [[BufferElement<SplatProperty>]] = [
-            [BufferElement(.position, offsetBytes: -4)], [BufferElement(.position, strideBytes: 8)], [BufferElement(.harmonics, offsetBytes: 1 << 40)],
+            [BufferElement(.position, offsetBytes: -4)], [BufferElement(.position, strideBytes: 8)],
+            [BufferElement(.harmonics, offsetBytes: 1 << 40)],
         ]
         for wrong in refused {
             XCTAssertThrowsError(try vertices.withUnsafeMutableBytes { try avatar.writeSplats(wrong, into: $0) }) {
