@@ -74,12 +74,9 @@ private:
     void findLandmarks();
     std::optional<KeypointNoise> detectorNoise();
     Status refineShape(double from, double to);
-    /** settledSigmas: LimbFrame::settledPx in σ of keypoints. */
-    void untangleMoving(const std::vector<size_t>& order, const std::function<bool(size_t)>& mayChange, double settledSigmas = 0);
+    void untangleMoving(const std::vector<size_t>& order, const std::function<bool(size_t)>& mayChange);
     Status trackMoving(const std::vector<size_t>& order, double from, double to);
-    Status solveMoving(const std::vector<size_t>& order, const char* what, bool loose, int maxSteps, double from, double to);
     Status fitMoving(double from, double to);
-    Status followQuickMoves(const std::vector<size_t>& order, double from, double to);
     Status fitUntrained(double from, double to);
     Status fitHeldOutMoving(Split split, double from, double to);
     FrameState effective(size_t f) const;
@@ -103,7 +100,6 @@ private:
     std::vector<FrameState> frames_;
     std::vector<SolveEnd> solves_;
     bool shapeFromMoving_ = false;
-    AccelerationSpread jointSpread_;
 };
 
 }  // namespace dpl

@@ -92,10 +92,6 @@ std::array<LimbCandidate, 4> limbCandidates(const LimbRig& rig, const LimbView& 
     return four;
 }
 
-LimbCandidate limbAt(const LimbRig& rig, const LimbView& view, const Vec3d& elbow, const Vec3d& wrist) {
-    return makeCandidate(rig, view, elbow, wrist);
-}
-
 std::vector<size_t> chooseLimbs(std::span<const LimbChoices> frames) {
     const size_t n = frames.size();
     if (n == 0) return {};

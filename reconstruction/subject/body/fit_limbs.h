@@ -46,9 +46,6 @@ struct LimbCandidate {
 /** Elbow near or far, for each of them wrist near or far. A ray that passes too far away gives the same point twice. */
 std::array<LimbCandidate, 4> limbCandidates(const LimbRig& rig, const LimbView& view);
 
-/** The limb whose elbow and wrist lie there. */
-LimbCandidate limbAt(const LimbRig& rig, const LimbView& view, const Vec3d& elbow, const Vec3d& wrist);
-
 /** One frame of a sequence. It has at least one candidate. */
 struct LimbChoices {
     double timeS = 0;

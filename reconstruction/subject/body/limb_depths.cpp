@@ -69,53 +69,18 @@ bool showsLimb(const KnownLimb& limb, std::span<const Keypoint> keypoints) {
     return !keypoints.empty() && keypoints[limb.middleKeypoint].confidence > 0 && keypoints[limb.endKeypoint].confidence > 0;
 }
 
-namespace {
-
-LimbView limbView(const LimbModel& model, const KnownLimb& limb, const LimbFrame& frame, const KeypointChain::Output& posed) {
-    return {frame.timeS,
-            frame.camera,
-            frame.keypoints[limb.middleKeypoint].px,
-            frame.keypoints[limb.endKeypoint].px,
-            posed.places[limb.upper],
-            posed.rotations[size_t(model.chain.parent(limb.upper))]};
-}
-
-}  // namespace
-
 std::array<LimbCandidate, 4> limbCandidates(const LimbModel& model, const KnownLimb& limb, const LimbFrame& frame) {
     KeypointChain::Output posed;
     model.chain.evaluate(*frame.reference, frame.root, frame.pose->data(), model.shape, false, posed);
-    return limbCandidates(limb.rig, limbView(model, limb, frame, posed));
+    return limbCandidates(limb.rig,
+                          {frame.timeS, frame.camera, frame.keypoints[limb.middleKeypoint].px, frame.keypoints[limb.endKeypoint].px,
+                           posed.places[limb.upper], posed.rotations[size_t(model.chain.parent(limb.upper))]});
 }
 
 void setLimb(const KnownLimb& limb, const LimbCandidate& to, std::vector<double>& pose) {
     const Vec3d bend = to.bendRad * limb.hinge;
     for (int a = 0; a < 3; ++a) pose[3 * limb.upperSlot + size_t(a)] = to.shoulder[a], pose[3 * limb.lowerSlot + size_t(a)] = bend[a];
 }
-
-namespace {
-
-/** How far a limb lies beside a keypoint, over its confidence, as a share of settledPx. */
-double beside(const LimbFrame& frame, const KeypointChain::Output& posed, size_t keypoint) {
-    const Vec2d px = frame.camera.pixelOf(frame.camera.toView(posed.points[keypoint]));
-    return frame.keypoints[keypoint].confidence * glm::length(px - frame.keypoints[keypoint].px) / frame.settledPx;
-}
-
-bool isSettled(const KnownLimb& limb, const LimbFrame& frame, const KeypointChain::Output& posed) {
-    return frame.settledPx > 0 && beside(frame, posed, limb.middleKeypoint) < 1 && beside(frame, posed, limb.endKeypoint) < 1;
-}
-
-/** The limb where it is. Unlike other candidates it lies beside its keypoints, which costs as in the fit. */
-LimbCandidate asItIs(const LimbModel& model, const KnownLimb& limb, const LimbFrame& frame, const KeypointChain::Output& posed) {
-    LimbCandidate c = limbAt(limb.rig, limbView(model, limb, frame, posed), posed.places[limb.lower], posed.places[limb.end]);
-    for (const size_t k : {limb.middleKeypoint, limb.endKeypoint}) {
-        const double r = beside(frame, posed, k);
-        c.cost += priors::kKeypointOutlierSigmas * priors::kKeypointOutlierSigmas * r * r / (1 + r * r);
-    }
-    return c;
-}
-
-}  // namespace
 
 void untangleLimbs(const LimbModel& model, std::span<const LimbFrame> inTime) {
     for (size_t index = 0; index < kLimbCount; ++index) {
@@ -124,7 +89,6 @@ void untangleLimbs(const LimbModel& model, std::span<const LimbFrame> inTime) {
         struct Used {
             const LimbFrame* frame;
             Vec3d middle, end;
-            bool free;
         };
         std::vector<Used> used;
         std::vector<LimbChoices> choices;
@@ -132,22 +96,20 @@ void untangleLimbs(const LimbModel& model, std::span<const LimbFrame> inTime) {
             if (frame.free && !showsLimb(*limb, frame.keypoints)) continue;
             KeypointChain::Output now;
             model.chain.evaluate(*frame.reference, frame.root, frame.pose->data(), model.shape, false, now);
-            used.push_back({&frame, now.places[limb->lower], now.places[limb->end], frame.free && !isSettled(*limb, frame, now)});
+            used.push_back({&frame, now.places[limb->lower], now.places[limb->end]});
             choices.push_back({frame.timeS, {}});
-            std::vector<LimbCandidate>& candidates = choices.back().candidates;
-            if (used.back().free) {
-                const auto four = limbCandidates(limb->rig, limbView(model, *limb, frame, now));
-                candidates.assign(four.begin(), four.end());
-                if (frame.settledPx > 0) candidates.push_back(asItIs(model, *limb, frame, now));
+            if (frame.free) {
+                const auto four = limbCandidates(model, *limb, frame);
+                choices.back().candidates.assign(four.begin(), four.end());
             } else {
-                candidates.push_back({Vec3d(0), 0, used.back().middle, used.back().end, 0});
+                choices.back().candidates.push_back({Vec3d(0), 0, used.back().middle, used.back().end, 0});
             }
         }
         const std::vector<size_t> chosen = chooseLimbs(choices);
         for (size_t k = 0; k < used.size(); ++k) {
             const LimbCandidate& to = choices[k].candidates[chosen[k]];
             const double moved = std::max(glm::length(to.elbow - used[k].middle), glm::length(to.wrist - used[k].end));
-            if (used[k].free && moved >= priors::kSameLimbM) setLimb(*limb, to, *used[k].frame->pose);
+            if (used[k].frame->free && moved >= priors::kSameLimbM) setLimb(*limb, to, *used[k].frame->pose);
         }
     }
 }

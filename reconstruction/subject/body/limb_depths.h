@@ -35,9 +35,6 @@ struct LimbFrame {
     const double* root = nullptr;      // kRootSize values
     std::vector<double>* pose = nullptr;
     bool free = true;  // false: its limbs stay where they are
-    // Pixels. Above 0, a limb also stays where it is if it is settled: both of its keypoints lie nearer to it than this, over their
-    // confidence. An unsettled limb may stay too, at the cost that the fit gives to such keypoints.
-    double settledPx = 0;
 };
 
 /** A limb of a body: its joints, their slots in the pose, its keypoints and its rig. */

@@ -24,10 +24,10 @@ void addMotionTerms(ceres::Problem& problem, const MotionModel& model, std::span
         const MovingFrame &a = inTime[i - 1], &b = inTime[i], &c = inTime[i + 1];
         if (!linked(b.timeS - a.timeS) || !linked(c.timeS - b.timeS)) continue;
         if (!a.free && !b.free && !c.free) continue;
-        problem.AddResidualBlock(new PoseSmoothness(model.priors, a.timeS, b.timeS, c.timeS, model.joints), nullptr, a.pose, b.pose,
+        problem.AddResidualBlock(new PoseSmoothness(model.priors, a.timeS, b.timeS, c.timeS, model.spread), nullptr, a.pose, b.pose,
                                  c.pose);
         problem.AddResidualBlock(
-            makeRootSmoothness({*a.reference, *b.reference, *c.reference}, model.up, a.timeS, b.timeS, c.timeS, model.pelvis), nullptr,
+            makeRootSmoothness({*a.reference, *b.reference, *c.reference}, model.up, a.timeS, b.timeS, c.timeS, model.spread), nullptr,
             a.root, b.root, c.root);
     }
 }

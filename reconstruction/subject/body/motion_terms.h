@@ -26,7 +26,7 @@ struct MotionModel {
     std::span<const std::string> keypointNames;
     Vec3d up;       // the vertical, world
     double* shape;  // block of the body's shape
-    AccelerationSpread joints, pelvis;
+    AccelerationSpread spread;
 };
 
 /** Adds the terms between neighbours in time. `inTime`: ascending. Frames farther apart than kMaxGapS say nothing about each other. */

@@ -183,8 +183,7 @@ void FramePoses::addTerms(ceres::Problem& problem, Split split) {
         State& s = states_[f];
         inTime.push_back({input_.frames[f].timeS, &s.reference, s.root, s.pose.data(), free(f)});
     }
-    const AccelerationSpread spread{.tail = true, .share = priors::kAccelerationTailShare};
-    addMotionTerms(problem, {context_, priors_, input_.keypointNames, up, &noShape_, spread, spread}, inTime);
+    addMotionTerms(problem, {context_, priors_, input_.keypointNames, up, &noShape_, {true, priors::kAccelerationTailShare}}, inTime);
     for (double* constant : {&noShape_, &logUnit_})
         if (problem.HasParameterBlock(constant)) problem.SetParameterBlockConstant(constant);
     for (const size_t f : order)
