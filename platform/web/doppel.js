@@ -23,6 +23,7 @@ const RESULTS = ['DPL_OK', 'DPL_ERROR_INVALID_ARGUMENT', 'DPL_ERROR_NOT_FOUND', 
   'DPL_ERROR_UNSUPPORTED', 'DPL_ERROR_OUT_OF_MEMORY', 'DPL_ERROR_IO', 'DPL_ERROR_DEVICE', 'DPL_ERROR_INTERNAL'];
 const OUT_OF_MEMORY = 6, UNSUPPORTED = RESULTS[5];
 const wrong = sentence => new DoppelError(sentence, 'DPL_ERROR_INVALID_ARGUMENT');
+const isByteCount = number => Number.isInteger(number) && number >= 0 && number <= MOST_BYTES;
 const MAX_FILE_BYTES = 512 * 1024 * 1024;
 const PAGE_BYTES = 65536, FIRST_PAGES = 64, MOST_PAGES = 32768;  // the limits of memory in CMakeLists.txt
 const MEMORY_LIMIT = 1 << 30;
@@ -35,6 +36,11 @@ const IN_PLACE = 4, OVER_POSE = 8;  // DplTrackerFlag
 const TRACKER_STATES = ['waiting', 'tracking', 'lost'];
 const GENERAL_SPLATS = /^(ply|\x1f\x8b|NGSP|glTF)/;  // beginnings of files of general splats; those of persons are glTF too
 const CAMERA_NUMBERS = 18;
+const SPLAT_PROPERTIES = { position: 3, rotation: 4, scale: 3, covariance: 6, opacity: 1, colour: 3, sh: 0 };  // numbers; as DplSplatProperty
+const NUMBER_BYTES = { float: 4, half: 2 };  // as DplNumber
+const PROPERTY_NAMES = Object.keys(SPLAT_PROPERTIES);
+const MOST_ELEMENTS = 16;  // DPL_MAX_BUFFER_ELEMENTS
+const MOST_BYTES = 2 ** 31;
 const SPLAT_BYTES = 32;   // DplScreenSplat
 export const SPLATS_A_ROW = 512;  // a projection has room for whole rows of a texture of so many splats
 const UP = [0, 1, 0];
@@ -165,6 +171,7 @@ export class Doppel {
   #floats; #doubles; #words;  // views of all memory, made anew when it has grown: viewMemory()
   #splats = 0; #capacity = 0; #projection = { words: null, at: 0, counts: [0, 0], samples: 1, rows: 0 };
   #meshAt = 0; #mesh = { positions: null, triangles: null };
+  #writtenAt = 0; #writtenCapacity = 0; #written = { count: 0, saturated: 0, bytes: null };
 
   /** Loads an avatar (.glb) or general splats.
    *  source: a URL, a Response, a Blob, or bytes. options.module: where doppel.wasm is, its bytes, or the compiled module; otherwise beside
@@ -379,6 +386,57 @@ export class Doppel {
     for (let k = 0, from = at >> 2; k < vertices; ++k) mesh.positions[k] = this.#floats[from + k];
     if (!triangles) mesh.triangles = this.#words.slice(cornersAt >> 2, (cornersAt >> 2) + corners);
     return mesh;
+  }
+
+  /** Splats of the pose for an engine that draws splats itself, in the layout that it wants: elements {property, number, offset, stride}.
+   *  property: 'position', 'rotation', 'scale', 'covariance', 'opacity', 'colour' or 'sh' (doppel_posed.h tells what they are); number:
+   *  'float', as usual, or 'half'; offset: bytes to the first splat's; stride: bytes from one to the next, 0: without gaps.
+   *  eye: where the viewer is, 3 numbers, world: splats that turn their inside to it are left out, and colours are those that it sees.
+   *  splatBudget: most splats, 0: all. Their number and order depend on the person and splatBudget alone.
+   *  Returns {count, saturated, bytes}, which the next call overwrites. saturated: numbers too large for a half. bytes: a Uint8Array in the
+   *  person's memory, as long as the layout needs; the same object until that memory moves. */
+  writeSplats(layout, { eye = null, splatBudget = 0, shDegree = 0 } = {}) {
+    if (!layout.length || layout.length > MOST_ELEMENTS) throw wrong(`a layout of ${layout.length} elements; 1 to ${MOST_ELEMENTS} are possible`);
+    if (eye && eye.length !== 3) throw wrong(`an eye of ${eye.length} numbers; 3 are needed`);
+    this.#viewMemory();
+    // The scratch holds the elements, then the eye, then what comes back.
+    const eyeAt = this.#scratch + 32 * MOST_ELEMENTS, numbersAt = eyeAt + 16;
+    for (let k = 0; eye && k < 3; ++k) this.#floats[(eyeAt >> 2) + k] = eye[k];
+    const write = (data, bytes) => {
+      this.#check(this.#call('webWriteSplats', this.#avatar, this.#scratch, layout.length, eye ? eyeAt : 0, splatBudget, shDegree, data,
+        bytes, numbersAt));
+      this.#viewMemory();
+    };
+    write(0, 0);
+    const count = this.#doubles[numbersAt >> 3];
+    let bytes = 0;
+    for (let i = 0; i < layout.length; ++i) {
+      const { property, number = 'float', offset = 0, stride = 0 } = layout[i], kind = PROPERTY_NAMES.indexOf(property);
+      if (kind < 0) throw wrong(`there is no property '${property}' of splats; there are: ${PROPERTY_NAMES.join(', ')}`);
+      if (!NUMBER_BYTES[number]) throw wrong(`there is no number '${number}'; there are: float, half`);
+      if (!isByteCount(offset) || !isByteCount(stride))
+        throw wrong(`${property} at offset ${offset}, stride ${stride}; these are whole numbers of bytes, at most ${MOST_BYTES}`);
+      const size = NUMBER_BYTES[number] * (SPLAT_PROPERTIES[property] || 3 * (shDegree + 1) ** 2), at = (this.#scratch >> 3) + 4 * i;
+      bytes = Math.max(bytes, offset + (stride || size) * (count - 1) + size);
+      this.#doubles[at] = kind, this.#doubles[at + 1] = number === 'half' ? 1 : 0;
+      this.#doubles[at + 2] = offset, this.#doubles[at + 3] = stride;
+    }
+    this.#makeRoomToWrite(bytes);
+    write(this.#writtenAt, bytes);
+    const made = this.#written, { buffer } = this.#memory;
+    made.count = count, made.saturated = this.#doubles[(numbersAt >> 3) + 1];
+    if (made.bytes?.buffer !== buffer || made.bytes.length !== bytes) made.bytes = new Uint8Array(buffer, this.#writtenAt, bytes);
+    return made;
+  }
+  #makeRoomToWrite(bytes) {
+    if (bytes <= this.#writtenCapacity) return;
+    this.#call('webFree', this.#writtenAt);
+    this.#writtenCapacity = 0;
+    this.#written.bytes = null;
+    this.#writtenAt = this.#call('webAllocate', bytes);
+    if (!this.#writtenAt) throw this.#refused(bytes);
+    this.#writtenCapacity = bytes;
+    this.#viewMemory();
   }
 
   // [in pages]

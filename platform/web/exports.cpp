@@ -7,6 +7,7 @@
 
 #include <doppel/doppel.h>
 #include <doppel/doppel_convert.h>
+#include <doppel/doppel_posed.h>
 #include <doppel/doppel_splats.h>
 #include <doppel/doppel_surface.h>
 
@@ -137,6 +138,33 @@ EXPORT(webProject)
     made.structSize = sizeof made;
     const DplResult result = dplProject(context, &avatar, 1, cameras, viewCount, splats, capacity, &made);
     numbers[0] = made.counts[0], numbers[1] = made.counts[1], numbers[2] = made.samples;
+    return result;
+}
+
+/** dplWriteSplats. elements: 4 numbers each: property, number, offset, stride. eye: may be null. data: null only counts. Writes 2 numbers:
+ *  splats, saturated numbers. */
+EXPORT(webWriteSplats)
+(DplAvatar avatar, const double* elements, uint32_t elementCount, const float* eye, uint32_t splatBudget, uint32_t shDegree, void* data,
+ size_t bytes, double* numbers)
+    ->DplResult {
+    DplBufferElement places[DPL_MAX_BUFFER_ELEMENTS]{};
+    for (uint32_t i = 0; i < elementCount && i < DPL_MAX_BUFFER_ELEMENTS; ++i) {
+        const double* element = elements + 4 * i;
+        places[i].structSize = sizeof places[i];
+        places[i].property = uint32_t(element[0]), places[i].number = DplNumber(int32_t(element[1]));
+        places[i].offsetBytes = uint64_t(element[2]), places[i].strideBytes = uint64_t(element[3]);
+    }
+    DplSplatOptions options{};
+    options.structSize = sizeof options;
+    options.splatBudget = splatBudget, options.eye = eye, options.shDegree = shDegree;
+    DplBuffer buffer{};
+    buffer.structSize = sizeof buffer;
+    buffer.elementCount = elementCount, buffer.elements = places;
+    buffer.data = data, buffer.dataBytes = bytes;
+    DplWritten written{};
+    written.structSize = sizeof written;
+    const DplResult result = dplWriteSplats(avatar, &options, data ? &buffer : nullptr, &written);
+    numbers[0] = written.count, numbers[1] = double(written.saturated);
     return result;
 }
 

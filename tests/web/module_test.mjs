@@ -1,14 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 // node --test: the module and doppel.js in Node, without a DOM. WEB_MODULE: doppel.wasm. WEB_PERSON: a sample person. WEB_REFEREE: folder with
-// the referee's pictures of SHOTS.
+// the referee's pictures of SHOTS. WEB_REFEREE_PROGRAM: web_referee.
 import assert from 'node:assert/strict';
+import { execFileSync } from 'node:child_process';
 import fs from 'node:fs';
 import path from 'node:path';
 import { pathToFileURL } from 'node:url';
 import { test } from 'node:test';
 import { Doppel, DoppelError } from '../../platform/web/doppel.js';
 import { SplatPacer } from '../../platform/web/splat-pacer.js';
-import { SHOTS, compare } from './shots.mjs';
+import { SHOTS, compare, line } from './shots.mjs';
 
 const wasm = await WebAssembly.compile(fs.readFileSync(process.env.WEB_MODULE));
 const glb = fs.readFileSync(process.env.WEB_PERSON);
@@ -30,6 +31,58 @@ test('draws what the referee draws', async t => {
     assert.ok(covered > 500, `${shot.name} shows the person`);
     assert.ok(db >= 80 && levels <= 1, `${shot.name}: ${db} dB, ${levels} levels`);
   }
+});
+
+const FLOATS = 13;  // a splat, as web_referee --splats writes them
+const LAYOUT = [['position', 0], ['covariance', 3], ['colour', 9], ['opacity', 12]].map(([property, at]) =>
+  ({ property, offset: 4 * at, stride: 4 * FLOATS }));
+
+test('writes the splats that the referee writes', async t => {
+  const person = await load(), file = shot => path.join(process.env.WEB_REFEREE, `${shot.name}.splats`);
+  execFileSync(process.env.WEB_REFEREE_PROGRAM, [process.env.WEB_PERSON, '--splats'], { input: SHOTS.map(shot => line(shot, file(shot))).join('\n') });
+  for (const shot of SHOTS) {
+    if (shot.clip >= 0) person.setClip(shot.clip, shot.time);
+    const { bytes, count, saturated } = person.writeSplats(LAYOUT, { eye: shot.eye }), expected = fs.readFileSync(file(shot));
+    assert.equal(count, person.splatCount);
+    assert.equal(saturated, 0);
+    assert.equal(bytes.length, expected.length);
+    const floats = new Float32Array(bytes.slice().buffer), wanted = new Float32Array(Uint8Array.from(expected).buffer);
+    let place = 0, look = 0, shown = 0;
+    for (let i = 0; i < floats.length; ++i) {
+      const off = Math.abs(floats[i] - wanted[i]), kind = i % FLOATS;
+      if (kind < 9) place = Math.max(place, off);
+      else look = Math.max(look, off);
+      shown += kind === 12 && floats[i] > 0.1;
+    }
+    t.diagnostic(`${shot.name}: ${count} splats, ${shown} shown, positions at most ${place} off, colours and opacities ${look}`);
+    assert.ok(shown > count / 10 && shown < count, `${shown} of ${count} are shown`);
+    assert.ok(place < 1e-6 && look < 2e-4, `${place}, ${look}`);  // poses of clips differ in the last bits; the gate is steep
+  }
+  person.dispose();
+});
+
+test('splats in a layout of the caller, or a sentence', async () => {
+  const person = await load();
+  const opacities = options => {
+    const { bytes, count } = person.writeSplats([{ property: 'opacity' }], options);
+    return new Float32Array(bytes.buffer, bytes.byteOffset, count).slice();
+  };
+  const without = opacities(), front = opacities({ eye: [0, 1, 3] }), few = opacities({ splatBudget: 5000 });
+  assert.ok(without.every((opacity, i) => opacity >= front[i]) && without.some((opacity, i) => opacity > front[i] + 0.5), 'the gate takes away');
+  assert.ok(few.length < without.length / 2 && few.length > 1000, `${few.length}`);
+  const twice = person.writeSplats([{ property: 'position' }, { property: 'position', number: 'half', offset: 12 * without.length }]);
+  assert.equal(twice.bytes.length, 18 * without.length);
+  assert.equal(person.writeSplats([{ property: 'sh', number: 'half' }], { shDegree: 1 }).bytes.length, 24 * without.length);
+  const wrongs = [
+    [[], {}, /0 elements/], [[{ property: 'sheen' }], {}, /no property 'sheen'/], [[{ property: 'opacity', number: 'double' }], {}, /no number 'double'/],
+    [[{ property: 'opacity', offset: -4 }], {}, /offset -4/], [[{ property: 'position', stride: 8 }], {}, /stride/],
+    [[{ property: 'opacity', offset: 2 ** 40 }], {}, /offset 1099511627776/], [[{ property: 'opacity' }], { eye: [0, 1] }, /2 numbers/],
+    [[{ property: 'opacity' }], { eye: [0, NaN, 1] }, /eye/], [[{ property: 'opacity' }], { shDegree: 4 }, /degree/i],
+    [[{ property: 'position' }, { property: 'scale', offset: 4 }], {}, /overlap/],
+  ];
+  for (const [layout, options, pattern] of wrongs) await fails(() => person.writeSplats(layout, options), 'DPL_ERROR_INVALID_ARGUMENT', pattern);
+  assert.deepEqual(opacities(), without, 'after errors it goes on');
+  person.dispose();
 });
 
 test('tells of the person', async () => {

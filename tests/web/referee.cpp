@@ -9,8 +9,11 @@
 // web_referee AVATAR --scenes: pictures of several avatars together, by dplRenderTogether; each is AVATAR. A line is
 //   width height fx fy cx cy viewFromWorld(12) sceneDepthM count { clip time worldFromAvatar(12) } file
 // sceneDepthM: an opaque plane in front of the camera; 0: none.
+// web_referee AVATAR --splats: instead of a picture, dplWriteSplats for each shot and its eye: position, covariance, colour and opacity, 13
+// floats a splat.
 // clip -1: rest. Each picture goes to its file: 4 bytes a pixel, premultiplied, top row first.
 #include <doppel/doppel_convert.h>
+#include <doppel/doppel_posed.h>
 #include <doppel/doppel_splats.h>
 
 #include <algorithm>
@@ -90,6 +93,30 @@ bool writeFile(const std::string& name, const std::vector<uint8_t>& bytes) {
     return false;
 }
 
+/** Nothing after an error. */
+std::vector<uint8_t> splatsFor(const float* eye, DplAvatar avatar) {
+    constexpr uint32_t kFloats = 13, kBytes = 4 * kFloats;
+    DplBufferElement elements[4]{};
+    const uint32_t properties[] = {DPL_SPLAT_POSITION, DPL_SPLAT_COVARIANCE, DPL_SPLAT_COLOUR, DPL_SPLAT_OPACITY}, floatsBefore[] = {0, 3, 9, 12};
+    for (size_t i = 0; i < 4; ++i) {
+        elements[i].structSize = sizeof elements[i];
+        elements[i].property = properties[i], elements[i].offsetBytes = 4 * floatsBefore[i], elements[i].strideBytes = kBytes;
+    }
+    DplSplatOptions options{};
+    options.structSize = sizeof options;
+    options.eye = eye;
+    DplWritten written{};
+    written.structSize = sizeof written;
+    if (dplWriteSplats(avatar, &options, nullptr, &written) != DPL_OK) return {};
+    std::vector<uint8_t> bytes(size_t(written.count) * kBytes);
+    DplBuffer buffer{};
+    buffer.structSize = sizeof buffer;
+    buffer.elementCount = 4, buffer.elements = elements;
+    buffer.data = bytes.data(), buffer.dataBytes = bytes.size();
+    if (dplWriteSplats(avatar, &options, &buffer, &written) != DPL_OK) return {};
+    return bytes;
+}
+
 int drawScenes(DplContext context, const char* avatarFile) {
     std::vector<DplAvatar> avatars;
     DplCamera camera{};
@@ -131,8 +158,9 @@ int main(int argc, char** argv) {
     const bool tracks = argc == 3 && std::string(argv[2]) == "--track";
     const int timed = argc == 4 && std::string(argv[2]) == "--time" ? std::atoi(argv[3]) : 0;
     const bool scenes = argc == 3 && std::string(argv[2]) == "--scenes";
-    if (argc != 2 && timed <= 0 && !tracks && !scenes) {
-        std::fprintf(stderr, "usage: web_referee AVATAR [--time N | --track | --scenes] < SHOTS\n");
+    const bool splats = argc == 3 && std::string(argv[2]) == "--splats";
+    if (argc != 2 && timed <= 0 && !tracks && !scenes && !splats) {
+        std::fprintf(stderr, "usage: web_referee AVATAR [--time N | --track | --scenes | --splats] < SHOTS\n");
         return 2;
     }
     DplContextInfo info{};
@@ -153,6 +181,12 @@ int main(int argc, char** argv) {
     while (std::cin >> clip >> timeS >> eye[0] >> eye[1] >> eye[2] >> target[0] >> target[1] >> target[2] >> fovYRad >> width >> height >>
            file) {
         if (clip >= 0 && dplSetPoseFromClip(avatar, uint32_t(clip), timeS, DPL_TRUE) != DPL_OK) return complain(file);
+        if (splats) {
+            const std::vector<uint8_t> bytes = splatsFor(eye, avatar);
+            if (bytes.empty()) return complain(file);
+            if (!writeFile(file, bytes)) return 1;
+            continue;
+        }
         const float up[3] = {0, 1, 0};
         DplCamera camera{};
         camera.structSize = sizeof camera;

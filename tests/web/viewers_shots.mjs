@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// Cameras from which other viewers draw exported files: eight sides, and the face from 0.7 m.
+// Cameras from which other viewers draw exported files: eight sides, and the face from 0.7 m; and poses that they draw live.
 export const WIDTH = 480, HEIGHT = 640;
+
+/** Of the pages: the viewers make code and workers of texts. */
+export const POLICY = "script-src * 'unsafe-inline' 'unsafe-eval' data: blob:; worker-src * data: blob:";
 
 const side = i => [3 * Math.sin(i * Math.PI / 4), 1, 3 * Math.cos(i * Math.PI / 4)];
 export const SHOTS = [
@@ -14,3 +17,10 @@ export const shotsOf = viewer => SHOTS.filter(({ name }) => !SLOW.includes(viewe
 
 /** A line of the referee's input: the avatar at rest. */
 export const line = shot => [-1, 0, ...shot.eye, ...shot.target, shot.fovY, WIDTH, HEIGHT, `${shot.name}.rgba`].join(' ');
+
+/** Poses of the first clip, from two sides in turn. Each fifth has files: these are exported five a second. */
+const POSES = 30, POSES_A_SECOND = 25, A_FILE = 5;
+export const FILES_A_SECOND = POSES_A_SECOND / A_FILE;
+export const posesWith = filesOf => Array.from({ length: POSES }, (_, i) =>
+  ({ time: i / POSES_A_SECOND, shot: SHOTS[[0, 3][i % 2]], files: i % A_FILE ? undefined : filesOf(String(i / A_FILE).padStart(5, '0')) }));
+export const poseLine = ({ time, shot }, i) => [0, time, ...shot.eye, ...shot.target, shot.fovY, WIDTH, HEIGHT, `pose-${i}.rgba`].join(' ');

@@ -9,48 +9,13 @@ import path from 'node:path';
 import { parseArgs } from 'node:util';
 import { visit } from './browser.mjs';
 import { png } from './png.mjs';
-import { HEIGHT, SHOTS, shotsOf, WIDTH } from './viewers_shots.mjs';
+import { decibels, differences, isDrawn, reference } from './viewers_compare.mjs';
+import { HEIGHT, POLICY, SHOTS, shotsOf, WIDTH } from './viewers_shots.mjs';
 
-const PATCH = 16;
 const LEAST_SEEN = 0.5;  // of the height: less is a person who hangs below the floor, head down
-const POLICY = "script-src * 'unsafe-inline' 'unsafe-eval' data: blob:; worker-src * data: blob:";
 const work = path.join(process.env.WEB_WORK, 'viewers');
 const { values: options } = parseArgs({ options: { json: { type: 'string' } } });
 const files = JSON.parse(fs.readFileSync(path.join(work, 'files.json')));
-
-/** The referee's picture, premultiplied, over white. */
-function reference(shot) {
-  const rgba = fs.readFileSync(path.join(work, `${shot.name}.rgba`)), out = new Uint8Array(rgba.length).fill(255);
-  const covered = new Uint8Array(WIDTH * HEIGHT);
-  for (let p = 0; p < covered.length; ++p) {
-    covered[p] = rgba[4 * p + 3] > 0;
-    for (let c = 0; c < 3; ++c) out[4 * p + c] = Math.min(255, rgba[4 * p + c] + 255 - rgba[4 * p + 3]);
-  }
-  return { rgba: out, covered };
-}
-
-const isDrawn = (rgba, p) => Math.min(rgba[4 * p], rgba[4 * p + 1], rgba[4 * p + 2]) < 250;
-
-/** Sums of squares: of all pixels, of covered ones; the patch with the largest mean difference, levels. */
-function differences(rgba, { rgba: expected, covered }) {
-  let all = 0, inside = 0, insideCount = 0, patch = 0;
-  for (let y0 = 0; y0 + PATCH <= HEIGHT; y0 += PATCH)
-    for (let x0 = 0; x0 + PATCH <= WIDTH; x0 += PATCH) {
-      let sum = 0;
-      for (let y = y0; y < y0 + PATCH; ++y)
-        for (let x = x0; x < x0 + PATCH; ++x) {
-          const p = y * WIDTH + x;
-          let square = 0;
-          for (let c = 0; c < 3; ++c) square += (rgba[4 * p + c] - expected[4 * p + c]) ** 2, sum += Math.abs(rgba[4 * p + c] - expected[4 * p + c]);
-          all += square;
-          if (covered[p] || isDrawn(rgba, p)) inside += square, ++insideCount;
-        }
-      patch = Math.max(patch, sum / (3 * PATCH * PATCH));
-    }
-  return { all, inside, insideCount, patch };
-}
-
-const decibels = (sum, pixels) => 10 * Math.log10(255 * 255 * 3 * pixels / Math.max(sum, 1e-9));
 
 function heightOf(isSet) {
   let first = -1, last = -1;
@@ -78,7 +43,7 @@ function standing(rgba, expected) {
   return best[0];
 }
 
-const references = Object.fromEntries(SHOTS.map(shot => [shot.name, reference(shot)]));
+const references = Object.fromEntries(SHOTS.map(shot => [shot.name, reference(path.join(work, `${shot.name}.rgba`))]));
 
 /** The row of a file in a viewer. */
 function score(label, viewer, pictures) {
