@@ -37,10 +37,16 @@ test('WebGL2 and WebXR can be imported where there is neither', async () => {
 });
 
 test('three.js is a peer that is missed by its name, and its group needs nothing else', async () => {
-  assert.deepEqual(Object.keys(manifest.peerDependencies), ['three']);
+  assert.deepEqual(Object.keys(manifest.peerDependencies), ['playcanvas', 'three']);
   for (const file of ['three-group.js', 'three-pass.js'])
     for (const [, from] of fs.readFileSync(new URL(file, folder), 'utf8').matchAll(/ from '([^']*)'/g)) assert.match(from, /^(three|\.\/[\w-]+\.js)$/);
   await assert.rejects(import('doppel-web/three'), /Cannot find package 'three'/);
+});
+
+test('splats of other engines miss them by their names', async () => {
+  await assert.rejects(import('doppel-web/three-splats'), /Cannot find package 'three'/);
+  await assert.rejects(import('doppel-web/playcanvas-splats'), /Cannot find package 'playcanvas'/);
+  assert.equal(typeof (await import('doppel-web/babylon-splats')).BabylonSplats, 'function');
 });
 
 test('types name every public function', () => {

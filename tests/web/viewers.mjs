@@ -34,7 +34,7 @@ async function threeScene(THREE, renderer) {
   return { scene, draw };
 }
 
-export const KINDS = { three: ['mesh'], 'three-splats': ['splats'], spark: ['splats'], playcanvas: ['splats', 'mesh'], babylon: ['splats', 'mesh'] };
+export const KINDS = { three: ['mesh'], 'three-vrm': ['vrm'], 'three-splats': ['splats'], spark: ['splats'], playcanvas: ['splats', 'mesh'], babylon: ['splats', 'mesh'] };
 
 /** Each opens a file {url, name, kind}, or shows the live person of {person}. Returns {draw(shot) → canvas, isSorting(), end()}; without
  *  isSorting it has sorted when 0.4 s have passed, with sortsAtOnce at once. */
@@ -43,6 +43,20 @@ export const VIEWERS = {
     const THREE = await import('three'), { GLTFLoader } = await import('three/addons/loaders/GLTFLoader.js');
     const renderer = new THREE.WebGLRenderer({ antialias: true, canvas: newCanvas() }), { scene, draw } = await threeScene(THREE, renderer);
     scene.add((await new GLTFLoader().loadAsync(url)).scene);
+    return { draw, end: () => renderer.dispose() };
+  },
+
+  // A VRM stands in its T-pose.
+  async 'three-vrm'({ url }) {
+    const THREE = await import('three'), { GLTFLoader } = await import('three/addons/loaders/GLTFLoader.js');
+    const { VRMLoaderPlugin } = await import('three-vrm');
+    const renderer = new THREE.WebGLRenderer({ antialias: true, canvas: newCanvas() }), { scene, draw } = await threeScene(THREE, renderer);
+    const loader = new GLTFLoader();
+    loader.register(parser => new VRMLoaderPlugin(parser));
+    const { vrm } = (await loader.loadAsync(url)).userData;
+    if (!vrm?.humanoid?.getNormalizedBoneNode('hips')) throw new Error('it sees no VRM humanoid');
+    vrm.update(1 / 30);
+    scene.add(vrm.scene);
     return { draw, end: () => renderer.dispose() };
   },
 

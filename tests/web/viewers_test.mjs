@@ -45,8 +45,8 @@ function standing(rgba, expected) {
 
 const references = Object.fromEntries(SHOTS.map(shot => [shot.name, reference(path.join(work, `${shot.name}.rgba`))]));
 
-/** The row of a file in a viewer. */
-function score(label, viewer, pictures) {
+/** The row of a file in a viewer. Of a VRM only how it stands: it has another pose. */
+function score({ label, kind }, viewer, pictures) {
   const shots = shotsOf(viewer), count = shots.length - 1;
   const sides = { all: 0, inside: 0, insideCount: 0, patch: 0 };
   let near;
@@ -57,10 +57,13 @@ function score(label, viewer, pictures) {
   }
   const front = pictures.get(`${label}-side-0`), expected = references['side-0'];
   const height = heightOf(p => isDrawn(front, p)) / heightOf(p => isDrawn(expected.rgba, p));
-  return {
-    stands: height < LEAST_SEEN ? 'out of sight' : standing(front, expected), height,
+  const measured = kind !== 'vrm' && {
     sides: count, sides_db: decibels(sides.all, count * WIDTH * HEIGHT), sides_covered_db: decibels(sides.inside, sides.insideCount), sides_patch: sides.patch,
     near_db: decibels(near.all, WIDTH * HEIGHT), near_covered_db: decibels(near.inside, near.insideCount), near_patch: near.patch,
+  };
+  return {
+    stands: height < LEAST_SEEN ? 'out of sight' : standing(front, expected), height,
+    ...measured,
   };
 }
 
@@ -81,13 +84,14 @@ for (const [viewer, { version, folders, folder }] of Object.entries(JSON.parse(p
   fs.mkdirSync(path.join(work, viewer), { recursive: true });
   for (const { label, kind } of files.filter(file => result.files[file.label])) {  // others are not for this viewer
     const { cannot } = result.files[label];
-    const row = { row: 'viewer', viewer, version, file: label, kind, ...(cannot ? { cannot } : score(label, viewer, pictures)) };
+    const row = { row: 'viewer', viewer, version, file: label, kind, ...(cannot ? { cannot } : score({ label, kind }, viewer, pictures)) };
     for (const shot of cannot ? [] : shotsOf(viewer))
       fs.writeFileSync(path.join(work, viewer, `${label}-${shot.name}.png`), png(pictures.get(`${label}-${shot.name}`), WIDTH, HEIGHT));
     rows.push(row);
-    console.log(cannot ? `${viewer} ${version}: ${label}: cannot: ${cannot}` : `${viewer} ${version}: ${label}: ${row.stands}, ` +
-      `${(100 * row.height).toFixed(1)} % of the height, ${row.sides} sides ${row.sides_db.toFixed(1)} dB (covered ${row.sides_covered_db.toFixed(1)}, patch ` +
-      `${row.sides_patch.toFixed(1)}), near ${row.near_db.toFixed(1)} dB (${row.near_covered_db.toFixed(1)}, ${row.near_patch.toFixed(1)})`);
+    const measured = cannot || kind === 'vrm' ? '' : `, ${row.sides} sides ${row.sides_db.toFixed(1)} dB (covered ${row.sides_covered_db.toFixed(1)}, patch ` +
+      `${row.sides_patch.toFixed(1)}), near ${row.near_db.toFixed(1)} dB (${row.near_covered_db.toFixed(1)}, ${row.near_patch.toFixed(1)})`;
+    const shows = cannot ? `cannot: ${cannot}` : `${row.stands}, ${(100 * row.height).toFixed(1)} % of the height`;
+    console.log(`${viewer} ${version}: ${label}: ${shows}${measured}`);
   }
 }
 for (const shot of SHOTS) fs.writeFileSync(path.join(work, `${shot.name}.png`), png(references[shot.name].rgba, WIDTH, HEIGHT));

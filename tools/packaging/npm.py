@@ -18,9 +18,10 @@ import notices  # noqa: E402
 ROOT = notices.ROOT
 NPM = ROOT / "platform/web/npm"
 BUILT_FILES = ("doppel.wasm", "doppel-splats.wasm", "doppel.js", "doppel-avatar.js", "webgl-renderer.js", "splat-pacer.js", "webxr.js",
-               "three-group.js", "three-pass.js",
+               "three-group.js", "three-pass.js", "three-splats.js", "playcanvas-splats.js", "babylon-splats.js",
                "demo/index.html", "demo/demo.js", "demo/demo.css", "demo/three.html", "demo/three-demo.js")
-TYPES = ("doppel-avatar.d.ts", "webgl-renderer.d.ts", "webxr.d.ts", "three-group.d.ts")
+TYPES = ("doppel-avatar.d.ts", "webgl-renderer.d.ts", "webxr.d.ts", "three-group.d.ts", "three-splats.d.ts", "playcanvas-splats.d.ts",
+         "babylon-splats.d.ts")
 
 
 def types():

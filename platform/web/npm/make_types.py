@@ -5,8 +5,7 @@
     make_types.py FILE        writes FILE
     make_types.py --check     only checks
 
-A line ` * @c dplName` takes what stands above the declaration of dplName in doppel.h, doppel_convert.h, doppel_splats.h or
-doppel_surface.h. Fails where there is no such function or it has no words, and where doppel.js has a public function that the types lack, or the other way round.
+A line ` * @c dplName` takes what stands above the declaration of dplName in doppel.h or another public header. Fails where there is no such function or it has no words, and where doppel.js has a public function that the types lack, or the other way round.
 """
 import pathlib
 import re
@@ -14,7 +13,7 @@ import sys
 
 HERE = pathlib.Path(__file__).resolve().parent
 WEB, ROOT = HERE.parent, HERE.parent.parent.parent
-HEADERS = [ROOT / "sdk/include/doppel" / name for name in ("doppel.h", "doppel_convert.h", "doppel_splats.h", "doppel_surface.h")]
+HEADERS = [ROOT / "sdk/include/doppel" / name for name in ("doppel.h", "doppel_convert.h", "doppel_posed.h", "doppel_splats.h", "doppel_surface.h")]
 DECLARATION = re.compile(r"/\*\*((?:(?!\*/).)*)\*/\s*(?:DPL_API|DPL_EXPERIMENTAL)\s[^;{/]*?\b(dpl\w+)\(", re.DOTALL)
 
 

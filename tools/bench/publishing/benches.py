@@ -258,6 +258,12 @@ def take_viewers(place):
     return [{**row, "bars": viewer_bars(row)} for row in place.json_lines("viewers", ["tools/prove-viewers", place.avatar()])]
 
 
+def take_viewers_live(place):
+    if not shutil.which("npm"):
+        raise Skipped("npm is not installed")
+    return [{**row, "bars": {"worst_below_db": at_most(0.5)}} for row in place.json_lines("viewers-live", ["tools/prove-viewers", place.avatar(), "--live"])]
+
+
 def viewer_bars(row):
     """Exported splats in viewers that draw them by the same rules but for the low-pass and the gate."""
     least = {"playcanvas": 40, "babylon": 40, "spark": 36}.get(row["viewer"])
@@ -474,6 +480,8 @@ BENCHES = [
     Bench("web-three", "web", 6, "scenes of three.js, and other renderers of splats, in headless Chromium", "tools/prove-web --three", (),
           take_web_three),
     Bench("viewers", "web", 10, "exported files in other people's viewers, in headless Chromium", "tools/prove-viewers demo/avatar/avatar.glb", (), take_viewers),
+    Bench("viewers-live", "web", 12, "live persons among the splats of other engines, in headless Chromium", "tools/prove-viewers demo/avatar/avatar.glb --live", (),
+          take_viewers_live),
     Bench("load-frames", "quick", 0.5, "the longest frame while 500,000 splats load", "build/release/tools/bench/bench_load_frames 500000",
           ("bench_load_frames",), take_load_frames),
     Bench("steady", "quick", 0.1, "frames until a frame budget holds, on simulated devices",
