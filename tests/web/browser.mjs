@@ -26,9 +26,10 @@ function hashOfMap(file) {
   return map ? ` 'sha256-${crypto.createHash('sha256').update(map[1]).digest('base64')}'` : '';
 }
 
-/** folders: more of them, by the name that addresses begin with. policy: of the pages. {result, pictures, moduleRequests}: what the page
+/** folders: more of them, by the name that addresses begin with. policy: of the pages. flags: more of them, of
+ *  Chromium. {result, pictures, moduleRequests}: what the page
  *  posted to /found, and to /picture by name, and the requests for the module. */
-export async function visit(page, folders = {}, policy = POLICY) {
+export async function visit(page, folders = {}, policy = POLICY, flags = []) {
   const all = { ...FOLDERS, ...folders };
   const pictures = new Map(), moduleRequests = [];
   let foundAll;
@@ -57,7 +58,7 @@ export async function visit(page, folders = {}, policy = POLICY) {
   await new Promise(ready => server.listen(0, '127.0.0.1', ready));
   const url = `http://127.0.0.1:${server.address().port}/tests/web/${page}`;
   const profile = fs.mkdtempSync(path.join(WEB_WORK, 'profile-'));
-  const browser = spawn(WEB_CHROMIUM, [...FLAGS, `--user-data-dir=${profile}`, url], { stdio: ['ignore', 'ignore', 'pipe'] });
+  const browser = spawn(WEB_CHROMIUM, [...FLAGS, ...flags, `--user-data-dir=${profile}`, url], { stdio: ['ignore', 'ignore', 'pipe'] });
   let log = '';
   browser.stderr.on('data', text => { log += text; });
   const ended = new Promise(done => browser.on('exit', code => done({ thrown: `the browser ended with ${code}` })));

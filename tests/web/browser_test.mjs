@@ -34,5 +34,15 @@ assert.ok(result.posterThen && result.hidden && result.back, JSON.stringify(resu
 assert.equal(result.instead.renderer, 'CPU', 'a device that does not come back is given up');
 assert.deepEqual(result.tags, ['canvas', 'img', 'slot', 'style']);
 assert.equal(moduleRequests.length, 1, 'all people of a page share one module');
+
+const dense = await visit('page.html?dense', {}, undefined, ['--force-device-scale-factor=3']);
+assert.equal(dense.result.density, 3);
+for (const [renderer, { width, height, clientWidth, clientHeight, shownWidth, shownHeight, opaque }] of Object.entries(dense.result.dense)) {
+  assert.ok(Math.abs(width - 2 * clientWidth) <= 1 && Math.abs(height - 2 * clientHeight) <= 1, `${renderer}: ${width} × ${height} pixels for ${clientWidth} × ${clientHeight}`);
+  assert.ok(Math.abs(shownWidth - clientWidth) < 1 && Math.abs(shownHeight - clientHeight) < 1, `${renderer}: shown at ${shownWidth} × ${shownHeight}`);
+  assert.ok(opaque > 3 * result.opaque, `${renderer}: ${opaque} opaque pixels; ${result.opaque} of a plain screen`);
+}
+const { width, height } = dense.result.dense.webgl;
+fs.writeFileSync(path.join(WEB_WORK, 'element-dense.png'), png(dense.pictures.get('dense'), width, height));
 console.log(`the element's first picture: ${path.join(WEB_WORK, 'element.png')}`);
 console.log(`load ${result.loadMs.toFixed(0)} ms, 480 × 640 by the CPU ${result.frameMs.toFixed(1)} ms a frame`);

@@ -106,6 +106,20 @@ async function whole() {
   shown.remove();
 }
 
+/** On a screen of three pixels a CSS pixel, of which two are drawn; by the CPU, too. */
+async function dense() {
+  found.density = devicePixelRatio;
+  found.dense = {};
+  for (const renderer of ['webgl', 'cpu']) {
+    const shown = element({ src: PERSON, ...(renderer === 'cpu' && { renderer }) });
+    await happens(shown, 'first-picture');
+    const { width, height } = shown.readPicture(), { clientWidth, clientHeight } = shown, seen = canvasOf(shown).getBoundingClientRect();
+    found.dense[renderer] = { width, height, clientWidth, clientHeight, shownWidth: seen.width, shownHeight: seen.height, opaque: opaque(pixels(shown)) };
+    if (renderer === 'webgl') await post('/picture/dense.rgba', pixels(shown));
+    shown.remove();
+  }
+}
+
 async function failures() {
   const gone = element({ src: '/work/none.glb', poster: '/poster.svg' });
   found.missing = await happens(gone, 'error');
@@ -182,13 +196,9 @@ async function several() {
   for (const one of all) one.remove();
 }
 
+const ALL = [pictures, theElement, whole, failures, several, fallbacks];
 try {
-  await pictures();
-  await theElement();
-  await whole();
-  await failures();
-  await several();
-  await fallbacks();
+  for (const part of location.search === '?dense' ? [dense] : ALL) await part();
 } catch (error) {
   found.thrown = `${error.message}\n${error.stack}`;
 }

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // web_referee AVATAR: what the module must draw, by dplRender on this machine's CPU. Reads shots from stdin, one a line:
 //   clip time eyeX eyeY eyeZ targetX targetY targetZ fovYRad width height file
-// web_referee AVATAR --time N: the median of N frames, ms, of what the module does for WebGL2 (clip and dplProject), by one thread, for
-// each shot; no picture.
-// web_referee AVATAR --track: poses of a tracker for MediaPipe Pose that keeps the person in place. Lines of stdin:
+// web_referee AVATAR --time N [BUDGET...]: the median of N frames, ms, of what the module does for WebGL2 (clip and dplProject), by one
+// thread, for each shot; then that of the posed mesh alone (clip and dplGetPosedMesh); no picture. BUDGET: most splats, 0: all; a line
+// each. web_referee AVATAR --track: poses of a tracker for MediaPipe Pose that keeps the person in place. Lines of stdin:
 //   seen timeMs, then x y z of 33 landmarks, then their 33 visibilities     "nan" is a number here
 //   show timeMs                                                             prints state, driven joints, positions of all joints
 // web_referee AVATAR --scenes: pictures of several avatars together, by dplRenderTogether; each is AVATAR. A line is
@@ -31,24 +31,40 @@ int complain(const std::string& what) {
     return 1;
 }
 
-/** Prints the median of `frames` frames, ms: clip 0 at another time each, projected. */
-bool timeFrames(DplContext context, DplAvatar avatar, const DplCamera& camera, int frames) {
-    static std::vector<DplScreenSplat> splats;
-    DplAvatarInfo about{};
-    about.structSize = sizeof about;
-    if (dplGetAvatarInfo(avatar, &about) != DPL_OK) return false;
-    splats.resize(about.splatCount);
+/** The median of `frames` times, ms: clip 0 at another time each, then `work`. Below 0 after an error. */
+template <class Work>
+double medianMs(DplAvatar avatar, int frames, const Work& work) {
     std::vector<double> tookMs;
-    DplProjection made{};
-    made.structSize = sizeof made;
     for (int i = 0; i < frames; ++i) {
         const auto start = std::chrono::steady_clock::now();
-        if (dplSetPoseFromClip(avatar, 0, i / 30.0, DPL_TRUE) != DPL_OK) return false;
-        if (dplProject(context, &avatar, 1, &camera, 1, splats.data(), uint32_t(splats.size()), &made) != DPL_OK) return false;
+        if (dplSetPoseFromClip(avatar, 0, i / 30.0, DPL_TRUE) != DPL_OK || work() != DPL_OK) return -1;
         tookMs.push_back(std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count());
     }
     std::sort(tookMs.begin(), tookMs.end());
-    std::printf("%.3f\n", tookMs[tookMs.size() / 2]);
+    return tookMs[tookMs.size() / 2];
+}
+
+/** Prints a line for each budget: ms to project, ms to pose the mesh. */
+bool timeFrames(DplContext context, DplAvatar avatar, const DplCamera& camera, int frames, const std::vector<uint32_t>& budgets) {
+    DplAvatarInfo about{};
+    about.structSize = sizeof about;
+    if (dplGetAvatarInfo(avatar, &about) != DPL_OK) return false;
+    std::vector<DplScreenSplat> splats(about.splatCount);
+    std::vector<float> positions(3 * size_t(about.vertexCount));
+    DplProjection made{};
+    made.structSize = sizeof made;
+    for (const uint32_t budget : budgets) {
+        DplDetail detail{};
+        detail.structSize = sizeof detail;
+        detail.splatBudget = budget;
+        if (dplSetDetail(context, &detail) != DPL_OK) return false;
+        const double projectMs = medianMs(
+            avatar, frames, [&] { return dplProject(context, &avatar, 1, &camera, 1, splats.data(), uint32_t(splats.size()), &made); });
+        const double meshMs =
+            medianMs(avatar, frames, [&] { return dplGetPosedMesh(avatar, positions.data(), about.vertexCount, nullptr, 0); });
+        if (projectMs < 0 || meshMs < 0) return false;
+        std::printf("%.3f %.3f\n", projectMs, meshMs);
+    }
     return true;
 }
 
@@ -97,7 +113,8 @@ bool writeFile(const std::string& name, const std::vector<uint8_t>& bytes) {
 std::vector<uint8_t> splatsFor(const float* eye, DplAvatar avatar) {
     constexpr uint32_t kFloats = 13, kBytes = 4 * kFloats;
     DplBufferElement elements[4]{};
-    const uint32_t properties[] = {DPL_SPLAT_POSITION, DPL_SPLAT_COVARIANCE, DPL_SPLAT_COLOUR, DPL_SPLAT_OPACITY}, floatsBefore[] = {0, 3, 9, 12};
+    const uint32_t properties[] = {DPL_SPLAT_POSITION, DPL_SPLAT_COVARIANCE, DPL_SPLAT_COLOUR, DPL_SPLAT_OPACITY},
+                   floatsBefore[] = {0, 3, 9, 12};
     for (size_t i = 0; i < 4; ++i) {
         elements[i].structSize = sizeof elements[i];
         elements[i].property = properties[i], elements[i].offsetBytes = 4 * floatsBefore[i], elements[i].strideBytes = kBytes;
@@ -156,11 +173,14 @@ int drawScenes(DplContext context, const char* avatarFile) {
 
 int main(int argc, char** argv) {
     const bool tracks = argc == 3 && std::string(argv[2]) == "--track";
-    const int timed = argc == 4 && std::string(argv[2]) == "--time" ? std::atoi(argv[3]) : 0;
+    const int timed = argc >= 4 && std::string(argv[2]) == "--time" ? std::atoi(argv[3]) : 0;
+    std::vector<uint32_t> budgets;
+    for (int i = 4; i < argc; ++i) budgets.push_back(uint32_t(std::atoi(argv[i])));
+    if (budgets.empty()) budgets = {0};
     const bool scenes = argc == 3 && std::string(argv[2]) == "--scenes";
     const bool splats = argc == 3 && std::string(argv[2]) == "--splats";
     if (argc != 2 && timed <= 0 && !tracks && !scenes && !splats) {
-        std::fprintf(stderr, "usage: web_referee AVATAR [--time N | --track | --scenes | --splats] < SHOTS\n");
+        std::fprintf(stderr, "usage: web_referee AVATAR [--time N [BUDGET...] | --track | --scenes | --splats] < SHOTS\n");
         return 2;
     }
     DplContextInfo info{};
@@ -192,7 +212,7 @@ int main(int argc, char** argv) {
         camera.structSize = sizeof camera;
         if (dplCameraLookAt(eye, target, up, fovYRad, width, height, &camera) != DPL_OK) return complain(file);
         if (timed > 0) {
-            if (!timeFrames(context, avatar, camera, timed)) return complain(file);
+            if (!timeFrames(context, avatar, camera, timed, budgets)) return complain(file);
             continue;
         }
         std::vector<uint8_t> rgba(size_t(width) * height * 4);

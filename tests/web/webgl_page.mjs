@@ -185,6 +185,18 @@ async function many(person) {
     whole.push(performance.now() - t0);
   }
   found.ms = { project: median(pose), submit: median(submit), whole: median(whole) };
+  person.project = project;
+  found.parts = [0, 60000, 20000].map(splatBudget => {
+    person.setDetail({ splatBudget });
+    const timed = work => median(Array.from({ length: TIMED }, (_, i) => {
+      const t = performance.now();
+      person.setClip(0, i / 30);
+      work();
+      return performance.now() - t;
+    }));
+    return { splatBudget, splats: person.project(camera).counts[0], projectMs: timed(() => person.project(camera)), meshMs: timed(() => person.posedMesh()) };
+  });
+  person.setDetail();
   renderer.dispose();
 }
 

@@ -56,7 +56,10 @@ assert.deepEqual(result.lost.said, ['lost', 'restored']);
 assert.ok(!result.lost.drawn && result.lost.again && result.lost.same && result.lost.covered > 2000, JSON.stringify(result.lost));
 const { growth, ms } = result;
 const timed = { ...SHOTS[0], width: 480, height: 640 };
-const nativeMs = Number(execFileSync(WEB_REFEREE_PROGRAM, [path.join(WEB_WORK, 'person.glb'), '--time', '31'], { input: line(timed, 'none') }));
+const budgets = result.parts.map(({ splatBudget }) => String(splatBudget));
+const native = String(execFileSync(WEB_REFEREE_PROGRAM, [path.join(WEB_WORK, 'person.glb'), '--time', '31', ...budgets], { input: line(timed, 'none') })).trim().split('\n')
+  .map(text => text.split(' ').map(Number));
+const nativeMs = native[0][0];
 console.log(`${growth.frames} frames: JavaScript's memory grew by ${growth.heap} bytes, by ${growth.later} in the second half, the module's by ${growth.wasm}; ${growth.garbage} bytes of garbage`);
 console.log(`480 × 640, ${result.splats} splats, ms: pose, cull, project and sort ${ms.project.toFixed(1)}, by the native library on one thread ${nativeMs.toFixed(1)} (${(ms.project / nativeMs).toFixed(2)} times); upload and draw calls ${ms.submit.toFixed(1)}; `
   + `until the pixels are there ${ms.whole.toFixed(1)} by SwiftShader; ${result.uploadedBytes} bytes uploaded a frame`);
@@ -68,6 +71,11 @@ rows.push({
   row: 'frame', size: '480 × 640', splats: result.splats, uploaded_bytes: result.uploadedBytes, project_ms: ms.project, native_project_ms: nativeMs,
   times_native: ms.project / nativeMs, submit_ms: ms.submit, whole_ms: ms.whole, bars: { times_native: { value: 1.5, kind: 'at most' } },
 });
+for (const [i, { splats, projectMs, meshMs }] of result.parts.entries()) {
+  const [nativeProjectMs, nativeMeshMs] = native[i], rest = projectMs - meshMs, nativeRest = nativeProjectMs - nativeMeshMs;
+  rows.push({ row: 'part', splats, mesh_ms: meshMs, native_mesh_ms: nativeMeshMs, rest_ms: rest, native_rest_ms: nativeRest });
+  console.log(`${splats} splats, ms: the posed mesh ${meshMs.toFixed(1)}, native ${nativeMeshMs.toFixed(1)}; the rest ${rest.toFixed(1)}, native ${nativeRest.toFixed(1)}`);
+}
 rows.push({
   row: 'growth', frames: growth.frames, module_bytes: growth.wasm, second_half_bytes: growth.later, garbage_bytes_a_frame: growth.garbage / (growth.frames / 2),
   bars: { module_bytes: { value: 0, kind: 'at most' } },

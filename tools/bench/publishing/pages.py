@@ -303,6 +303,13 @@ def web(store):
             ["memory of JavaScript in the second half of them: growth, bytes", number(growth["second_half_bytes"], 0)],
             ["garbage a frame, of the browser's bindings and the test, bytes", number(growth["garbage_bytes_a_frame"], 0)],
         ])
+        parts = [r for r in rows if r["row"] == "part"]
+        if parts:
+            def cells(r, part):
+                module, native = r[f"{part}_ms"], r[f"native_{part}_ms"]
+                return [number(module, 1), number(native, 1), number(module / native)]
+            text += "\n" + table(["splats drawn", "posed mesh, ms", "native", "times", "cull, project and sort, ms", "native", "times"],
+                                 [[number(r["splats"], 0), *cells(r, "mesh"), *cells(r, "rest")] for r in parts])
         return text + "\n" + table(["picture", "to the CPU renderer, dB", "largest difference, levels"], [
             [r["picture"], "equal bytes" if r["psnr_db"] is None else barred(r, "psnr_db", 1), r["levels"]] for r in pictures])
     text = BACK + (
