@@ -2,7 +2,9 @@
 #include "reconstruction/subject/sample/sample_avatar.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <glm/gtx/component_wise.hpp>
 
 #include "reconstruction/subject/sample/raycast.h"
 #include "reconstruction/subject/sample/skeleton.h"
@@ -12,12 +14,14 @@
 namespace dpl {
 namespace {
 
-constexpr float kSpacingM = 0.0042f;      // between splats where triangles are large
-constexpr float kSpacingOfEdge = 0.45f;   // and where they are small: of their mean edge
-constexpr float kFinestM = 0.0016f;       // on the face
-constexpr float kSigmaOfSpacing = 0.62f;  // neighbours overlap without gaps
-constexpr float kOpacity = 0.97f;
-constexpr uint32_t kLightSamples = 24;
+constexpr float kSpacingM = 0.0052f;     // between splats where triangles are large
+constexpr float kSpacingOfEdge = 0.45f;  // and where they are small: of their mean edge
+constexpr float kFinestM = 0.0016f;      // on the face
+constexpr float kDetailM = 0.0018f;      // between splats at the edges of prints and stripes
+constexpr float kPlainContrast = 0.08f;  // of a place without such edges
+constexpr float kSigmaOfCell = 2.2f;     // neighbours overlap: light comes through in few places, and prints stay sharp
+constexpr float kOpacity = 0.99f;
+constexpr uint32_t kLightSamples = 24, kContrastLightSamples = 4;
 constexpr double kFramesPerSecond = 30;
 constexpr double kMovesS = 18.75, kWalkS = 1.1;
 
@@ -48,31 +52,94 @@ ClipData keyed(std::string name, size_t count, double stepS, const PoseAt& poseA
 /** The splats of one triangle. */
 struct Patch {
     std::vector<Vec2f> uv;
+    std::vector<float> phi;
+    std::vector<Vec2f> scaleM;
     std::vector<Vec3f> colour;
-    float sigmaM = 0;
 };
+
+/** A part of a triangle, in metres along T1 and T2 from the triangle's first corner. */
+struct Cell {
+    std::array<Vec2f, 3> corners;
+
+    Vec2f centre() const { return (corners[0] + corners[1] + corners[2]) / 3.0f; }
+    /** Side of a square of the same area. */
+    float sizeM() const {
+        const Vec2f d1 = corners[1] - corners[0], d2 = corners[2] - corners[0];
+        return std::sqrt(0.5f * std::abs(d1.x * d2.y - d1.y * d2.x));
+    }
+};
+
+/** Cuts a cell into `count` of the same area, each time across the longest edge. */
+void cut(const Cell& cell, uint32_t count, std::vector<Cell>& cells) {
+    if (count == 1) {
+        cells.push_back(cell);
+        return;
+    }
+    const auto edge = [&](size_t i) { return glm::length(cell.corners[(i + 1) % 3] - cell.corners[i]); };
+    size_t longest = 0;
+    for (size_t i = 1; i < 3; ++i)
+        if (edge(i) > edge(longest)) longest = i;
+    const Vec2f a = cell.corners[longest], b = cell.corners[(longest + 1) % 3], c = cell.corners[(longest + 2) % 3];
+    const uint32_t first = count / 2;
+    const Vec2f between = glm::mix(a, b, float(first) / float(count));
+    cut({{a, between, c}}, first, cells);
+    cut({{between, b, c}}, count - first, cells);
+}
+
+/** Adds the splat that stands for a cell: with the cell's covariance, enlarged. */
+void addSplat(const Cell& cell, const Vec2f& uv, const Vec3f& colour, Patch& patch) {
+    float xx = 0, xy = 0, yy = 0;
+    for (const Vec2f& corner : cell.corners) {
+        const Vec2f d = corner - cell.centre();
+        xx += d.x * d.x / 12, xy += d.x * d.y / 12, yy += d.y * d.y / 12;
+    }
+    const float middle = 0.5f * (xx + yy), apart = std::hypot(0.5f * (xx - yy), xy), angle = 0.5f * std::atan2(2 * xy, xx - yy);
+    patch.uv.push_back(uv);
+    patch.phi.push_back(angle < 0 ? angle + 3.14159265f : angle);
+    patch.scaleM.push_back(kSigmaOfCell * Vec2f(std::sqrt(middle + apart), std::sqrt(std::max(middle - apart, 0.0f))));
+    patch.colour.push_back(colour);
+}
 
 Patch paint(const Subject& subject, const PersonTracer& tracer, uint32_t triangle) {
     const Triangle& f = subject.mesh.triangles[triangle];
     const auto& at = subject.mesh.restPositions;
-    const float area = 0.5f * glm::length(glm::cross(at[f.y] - at[f.x], at[f.z] - at[f.x]));
+    const Vec3f e1 = at[f.y] - at[f.x], e2 = at[f.z] - at[f.x];
+    const float area = 0.5f * glm::length(glm::cross(e1, e2)), base = glm::length(e1);
     if (area <= 0) return {};
-    const float edge = (glm::length(at[f.y] - at[f.x]) + glm::length(at[f.z] - at[f.y]) + glm::length(at[f.x] - at[f.z])) / 3;
+    const Vec2f corner2(glm::dot(e2, e1) / base, 2 * area / base);
+    const auto uvOf = [&](const Vec2f& p) {
+        const float v = std::clamp(p.y / corner2.y, 0.0f, 1.0f);
+        return Vec2f(std::clamp((p.x - v * corner2.x) / base, 0.0f, 1 - v), v);
+    };
+    const auto colourAt = [&](const Vec2f& p, float footprintM, uint32_t lightSamples) {
+        const Vec2f uv = uvOf(p);
+        return tracer.colourAt(triangle, uv.x, uv.y, footprintM, lightSamples);
+    };
+    const auto isPlain = [&](const Cell& cell) {
+        Vec3f low(1), high(0);
+        for (const Vec2f& corner : cell.corners) {
+            const auto colour = colourAt(corner, 0.5f * cell.sizeM(), kContrastLightSamples);
+            if (!colour) return true;
+            low = glm::min(low, *colour), high = glm::max(high, *colour);
+        }
+        return glm::compMax(high - low) < kPlainContrast;
+    };
+
+    const float edge = (base + glm::length(e2 - e1) + glm::length(e2)) / 3;
     const float spacing = std::clamp(kSpacingOfEdge * edge, kFinestM, kSpacingM);
-    const uint32_t count = std::max(1u, uint32_t(area / (spacing * spacing) + 0.5f));
-    const float reach = std::sqrt(area / float(count));
+    std::vector<Cell> cells;
+    cut({{Vec2f(0), Vec2f(base, 0), corner2}}, std::max(1u, uint32_t(area / (spacing * spacing) + 0.5f)), cells);
     Patch patch;
-    patch.sigmaM = kSigmaOfSpacing * reach;
-    for (uint32_t i = 0; i < count; ++i) {
-        // Roberts' sequence spreads points evenly over the unit square; its upper half is folded into the triangle.
-        float u = 0.5f + 0.7548777f * float(i), v = 0.5f + 0.5698403f * float(i);
-        u -= std::floor(u), v -= std::floor(v);
-        if (count == 1) u = v = 1.0f / 3;
-        if (u + v > 1) u = 1 - u, v = 1 - v;
-        const auto colour = tracer.colourAt(triangle, u, v, reach, kLightSamples);
+    while (!cells.empty()) {
+        const Cell cell = cells.back();
+        cells.pop_back();
+        if (cell.sizeM() > std::sqrt(2.0f) * kDetailM && !isPlain(cell)) {
+            cut(cell, 2, cells);
+            continue;
+        }
+        const auto colour = colourAt(cell.centre(), cell.sizeM(), kLightSamples);
         if (!colour) return {};
-        patch.uv.push_back({u, v});
-        patch.colour.push_back(*colour);
+        addSplat(cell, uvOf(cell.centre()), *colour, patch);
     }
     return patch;
 }
@@ -127,8 +194,8 @@ AvatarData makeSampleAvatar(const Subject& subject, Jobs& jobs) {
             const Patch& patch = patches[t];
             for (size_t i = 0; i < patch.uv.size(); ++i) {
                 splats.uv.push_back(patch.uv[i]);
-                splats.phi.push_back(0);
-                splats.scaleM.push_back(Vec2f(patch.sigmaM));
+                splats.phi.push_back(patch.phi[i]);
+                splats.scaleM.push_back(patch.scaleM[i]);
                 splats.opacity.push_back(kOpacity);
                 splats.flags.push_back(flags);
                 for (int c = 0; c < 3; ++c) splats.sh.push_back((patch.colour[i][c] - 0.5f) / float(kShC0));

@@ -7,9 +7,9 @@
 
 namespace dpl {
 
-/** About 150k splats in the order of files, and two clips at 30 Hz: "walk", one cycle of steps on the spot, and "moves", the subject's
- * motion in its scan (18.75 s). Colours are those of the standing pose; cloth follows the skinning alone. Same bytes for any thread count.
- * About five seconds on two cores. */
+/** About 180k splats in the order of files, small where prints and stripes end, and two clips at 30 Hz: "walk", one cycle of steps on the
+ * spot, and "moves", the subject's motion in its scan (18.75 s). Colours are those of the standing pose; cloth follows the skinning alone.
+ * Same bytes for any thread count. About five seconds on two cores. */
 AvatarData makeSampleAvatar(const Subject& subject, Jobs& jobs);
 
 /** The avatar as the bytes of a .glb file. */
