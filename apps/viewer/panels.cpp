@@ -8,6 +8,7 @@
 
 #include "apps/shared/pictures.h"
 #include "apps/viewer/compare_panel.h"
+#include "apps/viewer/export_panel.h"
 #include "apps/viewer/open_panel.h"
 #include "apps/viewer/run_panel.h"
 
@@ -66,8 +67,12 @@ void subjectList(ViewerState& state) {
     if (const ViewedSubject* chosen = state.chosen())
         quiet(chosen->isAvatar() ? "%.0f splats, %.0f joints" : "%.0f splats", chosen->info.splatCount, double(chosen->joints.size()));
     if (!state.atHand.empty()) ImGui::TextWrapped("Loading %s ...", state.atHand.c_str());
-    if (ImGui::Button("Open ...", {-1, 0})) state.wantsOpenWindow = true;
+    const float half = (ImGui::GetContentRegionAvail().x - ImGui::GetStyle().ItemSpacing.x) / 2;
+    if (ImGui::Button("Open ...", {half, 0})) state.wantsOpenWindow = true;
     if (ImGui::IsItemHovered()) ImGui::SetTooltip("The key O does it too");
+    ImGui::SameLine();
+    if (ImGui::Button("Export ...", {half, 0})) openExport(state);
+    if (ImGui::IsItemHovered()) ImGui::SetTooltip("Pictures, videos, splats and meshes; the key E does it too");
 }
 
 void clipControls(ViewerState& state, ViewedSubject& subject) {
@@ -173,11 +178,6 @@ void pictureControls(ViewerState& state) {
         state.camera.setFovY(glm::radians(double(lensDeg)));
     if (ImGui::IsItemHovered())
         ImGui::SetTooltip("Field of view: narrow as a portrait lens, wide as a phone's. The person keeps their size");
-    const float half = (ImGui::GetContentRegionAvail().x - ImGui::GetStyle().ItemSpacing.x) / 2;
-    if (ImGui::Button("Screenshot", {half, 0})) state.wantsScreenshot = true;
-    ImGui::SameLine();
-    if (ImGui::Button("Turntable", {half, 0})) state.wantsTurntable = true;
-    if (ImGui::IsItemHovered()) ImGui::SetTooltip("A video of one turn around, in the folder from which the viewer was started");
     if (ImGui::Button("Keys and mouse (F1)", {-1, 0})) state.help = !state.help;
     if (!ImGui::CollapsingHeader("For engineers")) return;
     ImGui::SliderFloat("##detail", &state.splatsPerPixel, 0, 24,
@@ -322,6 +322,7 @@ void drawHelp(ViewerState& state, float width, float height) {
         {"left, right", "the next photograph, while comparing"},
         {"space", "play, pause"},
         {"H", "hide or show the panels"},
+        {"E", "export pictures, videos, files"},
         {"P", "save a picture without panels"},
         {"F1", "this list"},
     };

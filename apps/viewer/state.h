@@ -5,6 +5,7 @@
 #include <map>
 
 #include "apps/viewer/comparison.h"
+#include "apps/viewer/exports.h"
 #include "apps/viewer/focus.h"
 #include "apps/viewer/folder_list.h"
 #include "apps/viewer/messages.h"
@@ -52,6 +53,21 @@ struct ComparedAvatar {
     std::string problem;  // why that frame has no pictures, or ""
 };
 
+/** How far an export is. */
+struct ExportProgress {
+    std::string words;
+    double share = 0;
+};
+
+/** The window that exports. */
+struct ExportWindow {
+    bool open = false;
+    ExportKind kind = ExportKind::Picture;
+    std::string here;  // where files go as long as settings.exports is empty
+    std::optional<ExportProgress> running;
+    std::string told;  // how the last export ended
+};
+
 /** The window that chooses a file. */
 struct OpenWindow {
     FolderList list;
@@ -72,6 +88,7 @@ struct ViewerState {
     std::optional<WatchedRun> run;
     std::optional<ComparedAvatar> compared;
     std::optional<OpenWindow> open;
+    ExportWindow exports;
     ViewerSettings settings;
     double nowS = 0;  // the viewer's clock in this frame
     Messages messages;
@@ -79,11 +96,12 @@ struct ViewerState {
     std::string rendererName, atHand;  // atHand: what is being loaded, or ""
 
     // Wishes of the user, which the viewer fulfils and takes back.
-    bool wantsScreenshot = false, wantsTurntable = false, wantsFrame = false;
-    bool wantsSample = false, wantsOpenWindow = false, wantsRoom = false,
-         wantsKeptRoom = false;                          // wantsRoom: it is to be built anew around the subjects
-    std::optional<std::string> wantsOpen, wantsFolder;   // a file; a folder to be listed
-    bool wantsCompare = false, wantsCompareEnd = false;  // of the selected avatar, which is comparable
+    std::optional<ExportKind> wantsExport;
+    bool wantsExportEnd = false;  // of the one that is running
+    bool wantsSample = false, wantsOpenWindow = false, wantsFrame = false, wantsRoom = false,
+         wantsKeptRoom = false;                                         // wantsRoom: it is to be built anew around the subjects
+    std::optional<std::string> wantsOpen, wantsFolder;                  // a file; a folder to be listed
+    bool wantsCompare = false, wantsCompareEnd = false;                 // of the selected avatar, which is comparable
     std::optional<size_t> wantsRemoval;
     std::optional<SeenPart> wantsPart;                 // of the selected avatar, to be seen from near
     std::optional<std::optional<uint32_t>> wantsClip;  // for the selected avatar; within: nothing is the rest pose

@@ -151,14 +151,20 @@ Result<std::string> Shell::draw(const FrameContents& contents) {
     DPL_SHELL_OK(parts_->device->submit(submit, slot.done));
     DPL_SHELL_OK(parts_->swapchain->present(*image));
     ++shown_;
-    if (contents.rgb) DPL_SHELL_OK(readPicture(*contents.rgb));
+    if (contents.rgb) DPL_SHELL_OK(readPicture(contents));
     return problem;
 }
 
-Status Shell::readPicture(std::vector<uint8_t>& rgb) {
+Status Shell::readPicture(const FrameContents& contents) {
+    std::vector<uint8_t>& rgb = *contents.rgb;
     const size_t pixels = size_t(picturePx_.width) * picturePx_.height;
     DPL_SHELL_TRY(HostBuffer buffer, makeHostBuffer(parts_->device->handles(), pixels * 4, VK_BUFFER_USAGE_TRANSFER_DST_BIT));
     Status copied = parts_->device->runOnce([&](VkCommandBuffer commands) {
+        if (contents.panels && !contents.rgbPanels) {  // the light of the frame is still there
+            parts_->canvas->beginFinishing(commands);
+            parts_->pictures->record(commands, picturePx_, contents.pictures);
+            vkCmdEndRenderPass(commands);
+        }
         VkBufferImageCopy region{};
         region.imageSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, 1};
         region.imageExtent = {picturePx_.width, picturePx_.height, 1};

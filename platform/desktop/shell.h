@@ -42,6 +42,7 @@ struct FrameContents {
     std::vector<PlacedPicture> pictures;         // over the avatars, below the panels, one after the other
     bool panels = true;                          // draw what ImGui was told
     std::vector<uint8_t>* rgb = nullptr;         // receives the picture, three bytes a pixel; costs a wait
+    bool rgbPanels = true;                       // that has the panels too
 };
 
 class Shell {
@@ -89,7 +90,7 @@ private:
     struct Parts;
     explicit Shell(const ShellInfo& info);
     Status makeParts(const ShellInfo& info);
-    Status readPicture(std::vector<uint8_t>& rgb);
+    Status readPicture(const FrameContents& contents);
 
     std::unique_ptr<Parts> parts_;
     bool fixedPicture_ = false;
