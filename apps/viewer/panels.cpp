@@ -9,6 +9,7 @@
 #include "apps/shared/pictures.h"
 #include "apps/viewer/compare_panel.h"
 #include "apps/viewer/export_panel.h"
+#include "apps/viewer/new_run_panel.h"
 #include "apps/viewer/open_panel.h"
 #include "apps/viewer/run_panel.h"
 
@@ -44,7 +45,7 @@ void quiet(const char* format, double a = 0, double b = 0) {
 
 void subjectList(ViewerState& state) {
     if (state.subjects.empty() && state.atHand.empty()) {
-        ImGui::TextWrapped("Drop an avatar (.glb) or splats (.ply, .spz, .glb) on the window.");
+        ImGui::TextWrapped("Drop an avatar (.glb) or splats (.ply, .spz, .glb) on the window, or a film of a person to make an avatar of.");
         if (ImGui::Button("Load the sample", {-1, 0})) state.wantsSample = true;
         if (ImGui::IsItemHovered()) ImGui::SetTooltip("An avatar that comes with Doppel; it is made the first time, in seconds");
         if (!state.settings.recent.empty()) quiet("Opened lately");
@@ -263,6 +264,11 @@ void drawPanels(ViewerState& state, float width, float height) {
     if (state.compared) {
         beginPanel("Compare", kGap, top, kLeftWidth, height - 2 * kGap);
         drawComparison(state);
+        top += endPanel() + kGap;
+    }
+    if (state.starter) {
+        beginPanel("New avatar", kGap, top, kLeftWidth, height - 2 * kGap);
+        drawNewRun(state);
         top += endPanel() + kGap;
     }
     if (state.run) {

@@ -11,6 +11,7 @@
 #include "apps/viewer/messages.h"
 #include "apps/viewer/orbit_camera.h"
 #include "apps/viewer/playback.h"
+#include "apps/viewer/run_starter.h"
 #include "apps/viewer/run_watch.h"
 #include "apps/viewer/settings.h"
 #include "apps/viewer/subject.h"
@@ -39,6 +40,15 @@ struct WatchedRun {
     bool turns = true;           // slowly, until it is finished
     ShownPicture heldBack;
     std::string heldBackFrame;
+    std::filesystem::path folder;
+    std::optional<NewRun> request;  // with which it goes on; nothing: the viewer has not begun it
+    std::string coach;              // what the coach said of its film, or ""
+};
+
+/** What the coach said last, and of the film of which run. */
+struct CoachSaid {
+    std::filesystem::path out;
+    std::string words;
 };
 
 /** The avatar that is compared with the photographs of its scan. */
@@ -85,6 +95,8 @@ struct ViewerState {
     float magnification = 8;                      // of the scan's finest details, at most; 0: no limit
     bool keptAway = false;                        // the limit holds the camera back in this frame
     bool panels = true, help = false;
+    std::unique_ptr<RunStarter> starter;  // NULL: no run is being begun
+    CoachSaid coach;
     std::optional<WatchedRun> run;
     std::optional<ComparedAvatar> compared;
     std::optional<OpenWindow> open;
@@ -102,6 +114,9 @@ struct ViewerState {
          wantsKeptRoom = false;                                         // wantsRoom: it is to be built anew around the subjects
     std::optional<std::string> wantsOpen, wantsFolder;                  // a file; a folder to be listed
     bool wantsCompare = false, wantsCompareEnd = false;                 // of the selected avatar, which is comparable
+    bool wantsLook = false, wantsRun = false, wantsStarterEnd = false;  // of the starter: the coach; the run; one step back, or none
+    bool wantsRunStop = false, wantsRunContinue = false;                // of the run that is watched
+    std::optional<DplAvatar> wantsWalk;                                 // an avatar that is to walk
     std::optional<size_t> wantsRemoval;
     std::optional<SeenPart> wantsPart;                 // of the selected avatar, to be seen from near
     std::optional<std::optional<uint32_t>> wantsClip;  // for the selected avatar; within: nothing is the rest pose

@@ -11,6 +11,7 @@
 #include "apps/shared/pictures.h"
 #include "apps/viewer/compared_avatar.h"
 #include "apps/viewer/export_panel.h"
+#include "apps/viewer/new_runs.h"
 #include "apps/viewer/open_panel.h"
 #include "apps/viewer/room_plan.h"
 #include "apps/viewer/watched_run.h"
@@ -186,6 +187,9 @@ void Viewer::takeFiles() {
             if (options_.isScript() && state_.compared && !state_.compared->problem.empty()) report(state_.compared->problem);
         } else if (!file.error.empty()) {
             report(file.error);
+        } else if (!file.film.empty() || (!file.scan.empty() && !(state_.chosen() && state_.chosen()->comparable))) {
+            if (const Status offered = offerRun(state_, {file.film.empty() ? file.scan : file.film}); !offered)
+                report(offered.error().message);
         } else if (!file.scan.empty()) {
             if (const Status begun = beginComparing(state_, *shell_, file.scan, {}); !begun) report(begun.error().message);
         } else if (file.run) {
@@ -196,7 +200,7 @@ void Viewer::takeFiles() {
         } else {
             for (ViewedSubject& subject : state_.subjects)
                 if (subject.avatar.handle() == file.clipOf)
-                    if (const Status taken = subject.takeNewClip(file.opened); !taken) report(taken.error().message);
+                    if (const Status taken = subject.takeNewClip(file.clipFrom); !taken) report(taken.error().message);
         }
     }
     state_.atHand = loader_->atHand();
@@ -319,7 +323,11 @@ void Viewer::fulfilWishes() {
         if (const Status begun = beginComparing(state_, *shell_, {}, first ? options_.compare : ""); !begun) report(begun.error().message);
     comparedFirst_ |= first;
     if (auto task = comparisonToDraw(state_)) loader_->compare(std::move(*task)), ++waitingFor_;
-    if (loader_) waitingFor_ += opened_.fulfil(state_, *loader_);
+    if (loader_) {
+        if (const Status followed = fulfilRuns(state_, *loader_); !followed) report(followed.error().message);
+        waitingFor_ += opened_.fulfil(state_, *loader_);
+        if (const auto avatar = std::exchange(state_.wantsWalk, std::nullopt)) loader_->loadWalk(*avatar), ++waitingFor_;
+    }
     if (std::exchange(state_.wantsKeptRoom, false) && options_.room == "auto" && !state_.settings.room.empty())
         state_.room = roomOf(state_.settings.room);
     if (state_.wantsSample && loader_) loader_->loadSample(), ++waitingFor_;

@@ -231,7 +231,7 @@ class Test:
         process, window = self.start("--size", "900x700")
         try:
             self.wait("the room of the last time is there", lambda: min(self.figures("colour", self.capture(window, "kept.png"), 450, 100)) > 100)
-            self.xdotool("mousemove", "--window", window, 60, 138, "click", 1)  # the first of what was opened lately
+            self.xdotool("mousemove", "--window", window, 60, 153, "click", 1)  # the first of what was opened lately
             red = lambda: self.figures("colour", self.capture(window, "recent_window.png"), 450, 300)
             self.wait("a click opens what was opened lately", lambda: red()[0] > 150 and red()[1] < 90)
             x11_send.Sender(self.display.name).close(window)
