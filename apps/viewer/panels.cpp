@@ -263,6 +263,9 @@ void drawPanels(ViewerState& state, float width, float height) {
     float top = kGap;
     if (state.compared) {
         beginPanel("Compare", kGap, top, kLeftWidth, height - 2 * kGap);
+    const ViewedSubject* played = state.chosen();
+    const bool overBar = played && played->clip && !state.compared && freeSpan(state, width).left < kLeftWidth;
+    const float bottom = height - kGap - (overBar ? kTimelineHeight + kGap : 0);
         drawComparison(state);
         top += endPanel() + kGap;
     }
@@ -277,7 +280,7 @@ void drawPanels(ViewerState& state, float width, float height) {
         drawRun(state, heldBack.left < heldBack.right);
         top += endPanel() + kGap;
     }
-    beginPanel("Avatars", kGap, top, kLeftWidth, height - top - kGap);
+    beginPanel("Avatars", kGap, top, kLeftWidth, bottom - top);
     subjectList(state);
     if (ViewedSubject* subject = state.chosen(); subject) {
         ImGui::SliderFloat("##turned", &subject->turnedDeg, -180, 180, "turned by %.0f°", ImGuiSliderFlags_AlwaysClamp);

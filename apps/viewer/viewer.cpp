@@ -45,6 +45,7 @@ platform::ShellInfo shellInfo(const ViewerOptions& options, Timings& timings) {
     info.fixedPicture = options.isScript();
     info.validation = options.validation;
     info.onStep = [&timings](const char* step) { timings.mark(step); };
+    info.scale = options.scale;
     return info;
 }
 

@@ -37,7 +37,7 @@ Status Shell::makeParts(const ShellInfo& info) {
     const auto done = [&info](const char* step) {
         if (info.onStep) info.onStep(step);
     };
-    DPL_SHELL_TRY(p.window, Window::create(info.title, info.widthPx, info.heightPx));
+    DPL_SHELL_TRY(p.window, Window::create(info.title, info.widthPx, info.heightPx, !info.fixedPicture));
     done("window");
     DPL_SHELL_TRY(const Presentation presentation, p.window->presentation(info.validation));
     DPL_SHELL_TRY(p.device, Device::create(presentation));
@@ -48,7 +48,8 @@ Status Shell::makeParts(const ShellInfo& info) {
     DPL_SHELL_TRY(p.shadows, FloorShadows::create(p.device->handles(), roomPass, kMaxStands));
     DPL_SHELL_TRY(p.pictures, Pictures::create(p.device->handles(), p.canvas->finishingPass()));
     done("pipelines of the room");
-    DPL_SHELL_TRY(p.gui, Gui::create(*p.window, *p.device, p.canvas->finishingPass(), DPL_VULKAN_SLOTS));
+    const float scale = info.scale > 0 ? info.scale : info.fixedPicture ? 1 : p.window->screenScale();
+    DPL_SHELL_TRY(p.gui, Gui::create(*p.window, *p.device, p.canvas->finishingPass(), DPL_VULKAN_SLOTS, scale));
     done("font and pipeline of the panels");
     DPL_SHELL_TRY(const VkSurfaceKHR surface, p.window->makeSurface(p.device->instance()));
     DPL_SHELL_TRY(p.swapchain, Swapchain::create(*p.device, surface, VK_IMAGE_USAGE_TRANSFER_DST_BIT));

@@ -29,6 +29,7 @@ struct ShellInfo {
     uint32_t widthPx = 0, heightPx = 0;
     bool fixedPicture = false;                // pictures keep this size even if the window gets another one
     bool validation = false;                  // load the validation layer
+    float scale = 0;                          // pixels for one of ImGui's coordinates; 0: what the screen has, or 1 for a fixed picture
     std::function<void(const char*)> onStep;  // told which step of the start is done; may be empty
 };
 
