@@ -6,7 +6,6 @@
 
 #include "apps/shared/pictures.h"
 #include "apps/viewer/file_kind.h"
-#include "apps/viewer/run_process.h"
 #include "apps/viewer/sample.h"
 #include "sdk/core/files.h"
 
@@ -35,10 +34,6 @@ void Loader::load(std::string path, DplAvatar motionOf) {
 
 void Loader::loadSample() {
     add({"the sample avatar", nullptr, true});
-}
-
-void Loader::stopRun(std::filesystem::path folder) {
-    add({.path = {}, .stopRun = std::move(folder)});
 }
 
 void Loader::loadWalk(DplAvatar avatar) {
@@ -204,13 +199,6 @@ LoadedFile Loader::compareNow(const CompareTask& task) {
     return out;
 }
 
-LoadedFile Loader::stopNow(const std::filesystem::path& run) {
-    LoadedFile out;
-    out.asked = false;
-    if (const Status stopped = dpl::stopRun(run); !stopped) out.error = stopped.error().message;
-    return out;
-}
-
 Result<std::filesystem::path> Loader::sampleNow() {
     DPL_TRY(const std::filesystem::path program, doppelProgram());
     return sampleAvatar(program, cacheFolder_.empty() ? std::filesystem::temp_directory_path() : std::filesystem::path(cacheFolder_),
@@ -233,7 +221,6 @@ LoadedFile Loader::walkNow(DplAvatar avatar) {
 }
 
 LoadedFile Loader::loadOne(const Task& task) {
-    if (!task.stopRun.empty()) return stopNow(task.stopRun);
     if (task.walks) return walkNow(task.walks);
     if (task.compare) return compareNow(*task.compare);
     if (!task.list.empty()) return listNow(task);
@@ -338,7 +325,7 @@ void Loader::run() {
             atHand_ = std::filesystem::path(task.path).filename().string();
             const std::string file = task.compare ? task.compare->file.filename().string() : atHand_;
             lock.unlock();
-            if (broken.empty() || !task.list.empty() || !task.settingsFile.empty() || !task.stopRun.empty())
+            if (broken.empty() || !task.list.empty() || !task.settingsFile.empty())
                 loaded = guarded(file, [&] { return loadOne(task); });
             else
                 loaded = {.file = file, .error = file + ": not loaded, because avatars cannot be drawn here: " + broken};

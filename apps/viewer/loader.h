@@ -85,8 +85,6 @@ public:
     void save(std::filesystem::path file, ViewerSettings settings);
     /** No run is watched any more. */
     void stopWatching();
-    /** Asks a run to stop. An error is told. */
-    void stopRun(std::filesystem::path folder);
     /** Has an avatar walk as the sample does, unless their skeletons differ too much. */
     void loadWalk(DplAvatar avatar);
     /** Loads the built-in sample avatar. The program `doppel` makes it the first time, which takes seconds. */
@@ -105,7 +103,7 @@ private:
         DplAvatar motionOf = nullptr;
         bool sample = false;
         std::optional<CompareTask> compare;
-        std::filesystem::path list, settingsFile, stopRun;
+        std::filesystem::path list, settingsFile;
         DplAvatar walks = nullptr;
         std::optional<ViewerSettings> save;
     };
@@ -117,7 +115,6 @@ private:
     LoadedFile listNow(const Task& task);
     LoadedFile settingsNow(const Task& task);
     LoadedFile compareNow(const CompareTask& task);
-    LoadedFile stopNow(const std::filesystem::path& run);
     LoadedFile walkNow(DplAvatar avatar);
     Result<std::filesystem::path> sampleNow();
     Result<doppel::Avatar> loadAvatar(std::vector<uint8_t> bytes, const std::string& file);

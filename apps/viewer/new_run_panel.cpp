@@ -85,7 +85,9 @@ void drawRunControls(ViewerState& state) {
     const RunWatch::Life life = run.watch.life(state.nowS);
     using Life = RunWatch::Life;
     if (life == Life::Running) {
-        if (ImGui::Button("Stop", {-1, 0})) state.wantsRunStop = true;
+        ImGui::BeginDisabled(run.stops);
+        if (ImGui::Button(run.stops ? "Stopping ..." : "Stop", {-1, 0})) state.wantsRunStop = true;
+        ImGui::EndDisabled();
         if (ImGui::IsItemHovered())
             ImGui::SetTooltip("Nothing that was finished is lost; it can go on later. Closing the viewer stops no run");
     }

@@ -22,7 +22,26 @@ Status offerRun(ViewerState& state, const std::vector<std::filesystem::path>& fi
     return {};
 }
 
-Status fulfilRuns(ViewerState& state, Loader& loader) {
+namespace {
+
+/** On a thread of its own: neither a slow disk nor what is being loaded may keep it waiting. */
+Status followStop(ViewerState& state, bool wanted) {
+    if (!state.run) return {};
+    WatchedRun& run = *state.run;
+    if (wanted && !run.stops) {
+        run.stops = true;
+        run.stopping = std::async(std::launch::async, [folder = run.folder] { return stopRun(folder); });
+    }
+    if (!run.stopping.valid() || run.stopping.wait_for(std::chrono::seconds(0)) != std::future_status::ready) return {};
+    Status asked = run.stopping.get();
+    run.stops = false;
+    if (asked) run.watch.knowStopped();
+    return asked;
+}
+
+}  // namespace
+
+Status fulfilRuns(ViewerState& state) {
     const bool look = std::exchange(state.wantsLook, false), begin = std::exchange(state.wantsRun, false),
                stop = std::exchange(state.wantsRunStop, false), goOn = std::exchange(state.wantsRunContinue, false);
     if (std::exchange(state.wantsStarterEnd, false) && state.starter) {
@@ -31,7 +50,7 @@ Status fulfilRuns(ViewerState& state, Loader& loader) {
         else
             state.starter->back();
     }
-    if (stop && state.run) loader.stopRun(state.run->folder);
+    DPL_RETURN_IF_ERROR(followStop(state, stop));
     if (goOn && state.run && state.run->request && !state.starter) state.starter = std::make_unique<RunStarter>(*state.run->request);
     if (state.starter && (look || begin || goOn)) {
         DPL_TRY(const std::filesystem::path program, doppelProgram());

@@ -2,7 +2,6 @@
 // Brings new runs into the viewer's state: dropped films, the coach, start, stop and continue.
 #pragma once
 
-#include "apps/viewer/loader.h"
 #include "apps/viewer/state.h"
 
 namespace dpl {
@@ -13,6 +12,6 @@ Status offerRun(ViewerState& state, const std::vector<std::filesystem::path>& fi
 
 /** Follows the wishes for runs and the coach; wishes for a run that has begun to be opened. Call once a frame. Errors: a sentence for the
  *  user. */
-Status fulfilRuns(ViewerState& state, Loader& loader);
+Status fulfilRuns(ViewerState& state);
 
 }  // namespace dpl

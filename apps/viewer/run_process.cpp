@@ -125,7 +125,13 @@ Result<pid_t> processOfRun(const fs::path& out) {
 Status stopRun(const fs::path& out) {
     DPL_TRY(const pid_t process, processOfRun(out));
     if (::kill(process, SIGINT) != 0) return fail(Code::Io, "the run in {} cannot be stopped: {}", out.string(), std::strerror(errno));
-    return {};
+    const auto until = std::chrono::steady_clock::now() + std::chrono::seconds(kStopPatienceS);
+    while (std::chrono::steady_clock::now() < until) {
+        const auto now = processOfRun(out);
+        if (!now || *now != process) return {};
+        std::this_thread::sleep_for(kLookEvery);
+    }
+    return fail(Code::Io, "the run in {} has been asked to stop, and goes on", out.string());
 }
 
 }  // namespace dpl

@@ -25,7 +25,9 @@ Status startRun(const std::vector<std::string>& arguments, const std::filesystem
 /** The process on this machine that holds the output folder (run.lock). NotFound: none does. */
 Result<pid_t> processOfRun(const std::filesystem::path& out);
 
-/** Asks the run to stop, as Ctrl-C does: nothing that was finished is lost. It has not ended yet on return. Errors name the folder. */
+/** Stops the run, as Ctrl-C does: nothing that was finished is lost. Returns when its process has ended, which it may do without a last
+ *  word in progress.json. Errors name the folder; Io: it goes on after kStopPatienceS. */
+constexpr int kStopPatienceS = 20;  // a run ends within a second, on a machine that is not busy
 Status stopRun(const std::filesystem::path& out);
 
 }  // namespace dpl

@@ -45,6 +45,8 @@ struct WatchedRun {
     std::string coach;              // what the coach said of its film, or ""
 };
 
+    std::future<Status> stopping;   // valid while it is being asked to stop
+    bool stops = false;             // the same, for the panel
 /** What the coach said last, and of the film of which run. */
 struct CoachSaid {
     std::filesystem::path out;

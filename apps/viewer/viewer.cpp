@@ -325,7 +325,7 @@ void Viewer::fulfilWishes() {
     comparedFirst_ |= first;
     if (auto task = comparisonToDraw(state_)) loader_->compare(std::move(*task)), ++waitingFor_;
     if (loader_) {
-        if (const Status followed = fulfilRuns(state_, *loader_); !followed) report(followed.error().message);
+        if (const Status followed = fulfilRuns(state_); !followed) report(followed.error().message);
         waitingFor_ += opened_.fulfil(state_, *loader_);
         if (const auto avatar = std::exchange(state_.wantsWalk, std::nullopt)) loader_->loadWalk(*avatar), ++waitingFor_;
     }

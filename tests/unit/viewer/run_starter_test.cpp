@@ -4,6 +4,7 @@
 #include <sys/stat.h>
 
 #include <csignal>
+#include <thread>
 
 #include "reconstruction/base/folder_lock.h"
 #include "tests/unit/must.h"
@@ -122,10 +123,15 @@ TEST_F(RunStarterTest, stopReachesTheProcessThatHoldsTheFolder) {
     static volatile sig_atomic_t interrupted = 0;
     const auto before = std::signal(SIGINT, [](int) { interrupted = 1; });
     {
-        const FolderLock lock = must(FolderLock::take(out_));
+        auto lock = std::make_unique<FolderLock>(must(FolderLock::take(out_)));
         EXPECT_EQ(must(processOfRun(out_)), ::getpid());
+        std::thread run([&lock] {  // ends when it is interrupted
+            EXPECT_TRUE(test::waitUntil([] { return interrupted == 1; }));
+            lock.reset();
+        });
         EXPECT_TRUE(stopRun(out_));
-        EXPECT_TRUE(test::waitUntil([] { return interrupted == 1; }));
+        run.join();
+        EXPECT_EQ(interrupted, 1);
         EXPECT_TRUE(writeFileAtomically(folder_ / "run.lock", std::string_view("since 2026 (process 1)\n")));
         EXPECT_FALSE(processOfRun(folder_)) << "a file alone names nobody";
     }
