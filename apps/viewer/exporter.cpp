@@ -21,6 +21,7 @@ void Exporter::saved(ViewerState& state, const fs::path& file) {
 Status Exporter::fulfil(ViewerState& state, uint32_t widthPx, uint32_t heightPx) {
     ExportWindow& told = state.exports;
     const auto wish = std::exchange(state.wantsExport, std::nullopt);
+    const bool dress = std::exchange(state.wantsDress, false);
     if (std::exchange(state.wantsExportEnd, false) && told.running) {
         if (file_) file_->cancel();
         if (recording_) {
@@ -30,26 +31,8 @@ Status Exporter::fulfil(ViewerState& state, uint32_t widthPx, uint32_t heightPx)
     }
     Status result;
     if (wish && (!told.running || *wish < ExportKind::Turntable)) result = begin(state, *wish, widthPx, heightPx);
-    if (file_) {
-        told.running.emplace(ExportProgress{file_->file().filename().string() + ": beginning"});
-        if (const auto progress = file_->job().progress())
-            told.running = {formatText("{}: {}", file_->file().filename().string(),
-                                       !progress->left.empty()     ? progress->left
-                                       : !progress->detail.empty() ? progress->detail
-                                                                   : progress->stage),
-                            progress->share};
-        if (const auto finished = file_->finished()) {
-            told.told.clear();
-            if (*finished)
-                saved(state, file_->file());
-            else if (file_->job().cancelled())
-                told.told = "Cancelled; nothing was saved.";
-            else
-                result = fail(finished->error().code, "{}: not saved: {}", file_->file().filename().string(), finished->error().message);
-            file_.reset();
-            told.running.reset();
-        }
-    }
+    if (dress && !told.running) result = beginDressing(state);
+    if (Status followed = follow(state); !followed) result = std::move(followed);
     if (recording_) {
         told.running = {
             formatText("{}: picture {} of {}", recording_->path().filename().string(), recording_->done(), recording_->frames()),
@@ -60,13 +43,60 @@ Status Exporter::fulfil(ViewerState& state, uint32_t widthPx, uint32_t heightPx)
     return result;
 }
 
+/** The program that writes a file. */
+Status Exporter::follow(ViewerState& state) {
+    if (!file_) return {};
+    ExportWindow& told = state.exports;
+    const std::string name = file_->file().filename().string();
+    told.running.emplace(ExportProgress{name + ": beginning"});
+    if (const auto progress = file_->job().progress()) {
+        const std::string& doing = !progress->left.empty()     ? progress->left
+                                   : !progress->detail.empty() ? progress->detail
+                                                               : progress->stage;
+        told.running = {formatText("{}: {}", name, doing), progress->share};
+    }
+    const auto finished = file_->finished();
+    if (!finished) return {};
+    Status result;
+    told.told.clear();
+    told.running.reset();
+    const bool opens = std::exchange(opens_, false);
+    if (*finished) {
+        saved(state, file_->file());
+        if (opens) state.wantsOpen = file_->file().string();
+    } else if (file_->job().cancelled()) {
+        told.told = "Cancelled; nothing was saved.";
+    } else {
+        result = fail(finished->error().code, "{}: not saved: {}", name, finished->error().message);
+    }
+    file_.reset();
+    return result;
+}
+
+/** Where exports go. */
+fs::path Exporter::folder(const ViewerState& state) {
+    std::error_code error;
+    return state.settings.exports.empty() ? fs::current_path(error) : fs::path(state.settings.exports);
+}
+
+Status Exporter::beginDressing(ViewerState& state) {
+    const ViewedSubject* wearer = state.chosen();
+    if (!wearer || !canDress(*wearer)) return fail(Code::InvalidArgument, "Select an avatar that has a file of its own.");
+    state.exports.told.clear();
+    DPL_TRY(const fs::path program, doppelProgram());
+    const fs::path file = nextFreeName((folder(state) / (fs::path(wearer->file).stem().string() + "-dressed")).string(), ".glb");
+    const auto arguments = [&](const fs::path& out) { return dressArguments(program, *wearer, state.outfit, state.subjects, out); };
+    if (arguments(file).empty()) return fail(Code::InvalidArgument, "Choose whose garment {} puts on.", wearer->file);
+    DPL_TRY(file_, FileExport::begin(file, arguments));
+    opens_ = true;
+    return {};
+}
+
 Status Exporter::begin(ViewerState& state, ExportKind kind, uint32_t widthPx, uint32_t heightPx) {
     const ViewedSubject* chosen = state.chosen();
     if (const std::string why = whyNotExport(kind, chosen); !why.empty()) return fail(Code::InvalidArgument, "{}", why);
     state.exports.told.clear();
-    std::error_code error;
-    const fs::path typed = state.settings.exports;
-    const fs::path file = exportFile(kind, chosen, typed.empty() ? fs::current_path(error) : typed);
+    const fs::path file = exportFile(kind, chosen, folder(state));
     if (kind == ExportKind::Picture) {
         picture_ = file;
     } else if (kind == ExportKind::CutOut) {

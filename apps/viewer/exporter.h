@@ -11,8 +11,9 @@ public:
     static constexpr double kStepS = 1.0 / 30;  // of a video
     static constexpr uint32_t kTurnFrames = 120;
 
-    /** Begins, follows and ends what state.wantsExport and state.wantsExportEnd say, and tells state.exports of it. The size is that of the
-     *  window's pictures. Errors: a sentence for the user; the viewer goes on. Call once a frame, before the avatars are posed. */
+    /** Begins, follows and ends what state.wantsExport, state.wantsDress and state.wantsExportEnd say, and tells state.exports of it. The
+     * size is that of the window's pictures. Errors: a sentence for the user; the viewer goes on. Call once a frame, before the avatars are
+     * posed. */
     Status fulfil(ViewerState& state, uint32_t widthPx, uint32_t heightPx);
     /** Begins a video of `frames` pictures. kind: Turntable or Clip. Without the program ffmpeg it is a folder of pictures, if `orFolder`.
      */
@@ -35,7 +36,10 @@ public:
 
 private:
     Status begin(ViewerState& state, ExportKind kind, uint32_t widthPx, uint32_t heightPx);
+    Status beginDressing(ViewerState& state);
+    Status follow(ViewerState& state);
     void end(ViewerState& state);
+    static std::filesystem::path folder(const ViewerState& state);
     void saved(ViewerState& state, const std::filesystem::path& file);
 
     std::optional<Recording> recording_;
@@ -43,6 +47,7 @@ private:
     double fromRad_ = 0, fromS_ = 0;  // where the camera and the clock were
     std::filesystem::path picture_, cutOut_;
     std::unique_ptr<FileExport> file_;
+    bool opens_ = false;  // that file, once it is saved
 };
 
 }  // namespace dpl

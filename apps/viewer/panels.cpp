@@ -8,9 +8,11 @@
 
 #include "apps/shared/pictures.h"
 #include "apps/viewer/compare_panel.h"
+#include "apps/viewer/dressing_panel.h"
 #include "apps/viewer/export_panel.h"
 #include "apps/viewer/new_run_panel.h"
 #include "apps/viewer/open_panel.h"
+#include "apps/viewer/overlay_panel.h"
 #include "apps/viewer/run_panel.h"
 
 namespace dpl {
@@ -261,11 +263,11 @@ FreeSpan freeSpan(const ViewerState& state, float width) {
 
 void drawPanels(ViewerState& state, float width, float height) {
     float top = kGap;
-    if (state.compared) {
-        beginPanel("Compare", kGap, top, kLeftWidth, height - 2 * kGap);
     const ViewedSubject* played = state.chosen();
     const bool overBar = played && played->clip && !state.compared && freeSpan(state, width).left < kLeftWidth;
     const float bottom = height - kGap - (overBar ? kTimelineHeight + kGap : 0);
+    if (state.compared) {
+        beginPanel("Compare", kGap, top, kLeftWidth, height - 2 * kGap);
         drawComparison(state);
         top += endPanel() + kGap;
     }
@@ -303,6 +305,8 @@ void drawPanels(ViewerState& state, float width, float height) {
         }
         if (ImGui::CollapsingHeader("Clip", ImGuiTreeNodeFlags_DefaultOpen)) clipControls(state, *subject);
         if (ImGui::CollapsingHeader("Joints by hand")) jointList(*subject);
+        drawOverlayChoice(state);
+        drawDressing(state);
     }
     endPanel();
     timeline(state, width, height);

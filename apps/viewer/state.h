@@ -5,11 +5,13 @@
 #include <map>
 
 #include "apps/viewer/comparison.h"
+#include "apps/viewer/dressing.h"
 #include "apps/viewer/exports.h"
 #include "apps/viewer/focus.h"
 #include "apps/viewer/folder_list.h"
 #include "apps/viewer/messages.h"
 #include "apps/viewer/orbit_camera.h"
+#include "apps/viewer/overlays.h"
 #include "apps/viewer/playback.h"
 #include "apps/viewer/run_starter.h"
 #include "apps/viewer/run_watch.h"
@@ -43,10 +45,10 @@ struct WatchedRun {
     std::filesystem::path folder;
     std::optional<NewRun> request;  // with which it goes on; nothing: the viewer has not begun it
     std::string coach;              // what the coach said of its film, or ""
-};
-
     std::future<Status> stopping;   // valid while it is being asked to stop
     bool stops = false;             // the same, for the panel
+};
+
 /** What the coach said last, and of the film of which run. */
 struct CoachSaid {
     std::filesystem::path out;
@@ -103,6 +105,9 @@ struct ViewerState {
     std::optional<ComparedAvatar> compared;
     std::optional<OpenWindow> open;
     ExportWindow exports;
+    Outfit outfit{};  // what the selected avatar is to put on
+    Overlay overlay = Overlay::None;
+    OverlayShapes weak;  // of the selected avatar in this frame
     ViewerSettings settings;
     double nowS = 0;  // the viewer's clock in this frame
     Messages messages;
@@ -111,6 +116,7 @@ struct ViewerState {
 
     // Wishes of the user, which the viewer fulfils and takes back.
     std::optional<ExportKind> wantsExport;
+    bool wantsDress = false;      // the selected avatar, in the outfit
     bool wantsExportEnd = false;  // of the one that is running
     bool wantsSample = false, wantsOpenWindow = false, wantsFrame = false, wantsRoom = false,
          wantsKeptRoom = false;                                         // wantsRoom: it is to be built anew around the subjects

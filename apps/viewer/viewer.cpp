@@ -13,6 +13,7 @@
 #include "apps/viewer/export_panel.h"
 #include "apps/viewer/new_runs.h"
 #include "apps/viewer/open_panel.h"
+#include "apps/viewer/overlay_panel.h"
 #include "apps/viewer/room_plan.h"
 #include "apps/viewer/watched_run.h"
 #include "reconstruction/base/sdk_camera.h"
@@ -44,8 +45,8 @@ platform::ShellInfo shellInfo(const ViewerOptions& options, Timings& timings) {
     info.widthPx = options.size.widthPx, info.heightPx = options.size.heightPx;
     info.fixedPicture = options.isScript();
     info.validation = options.validation;
-    info.onStep = [&timings](const char* step) { timings.mark(step); };
     info.scale = options.scale;
+    info.onStep = [&timings](const char* step) { timings.mark(step); };
     return info;
 }
 
@@ -100,6 +101,7 @@ Status Viewer::frame() {
     DPL_RETURN_IF_ERROR(arrange());
     const ImVec2 size = ImGui::GetIO().DisplaySize;
     state_.messages.tick(nowS());
+    if (!state_.compared) drawOverlay(state_, cameraNow(), ImGui::GetIO().DisplayFramebufferScale.x);
     if (!exporter_.records()) {
         if (state_.panels) drawPanels(state_, size.x, size.y);
         drawHelp(state_, size.x, size.y);
@@ -365,12 +367,25 @@ Status Viewer::arrange() {
         if (subject.isAvatar()) subject.asideM = *place++;
         if (const Status posed = subject.pose(state_.playback, lastS_); !posed) report(subject.file + ": " + posed.error().message);
     }
+    findWeak();
     if (state_.wantsFrame || !framed_) DPL_RETURN_IF_ERROR(frameAll());
     if (state_.wantsRoom) DPL_RETURN_IF_ERROR(buildRoom());
     state_.wantsFrame = state_.wantsRoom = false;
     if (!options_.isScript() && !exporter_.records()) keepAway();
     applyLimits();
     return {};
+}
+
+/** What is weak in the pose of the selected avatar, where it is asked for. */
+void Viewer::findWeak() {
+    ViewedSubject* chosen = state_.chosen();
+    state_.weak = {};
+    if (!chosen || !chosen->shown || state_.overlay == Overlay::None) return;
+    auto shapes = overlays_.shapes(*chosen, state_.overlay, state_.playback, lastS_);
+    if (shapes)
+        state_.weak = std::move(*shapes);
+    else
+        report(chosen->file + ": " + shapes.error().message), state_.overlay = Overlay::None;
 }
 
 /** Holds the camera where the scan still has details to show. */

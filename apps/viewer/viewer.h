@@ -47,6 +47,7 @@ private:
     Camerad cameraNow() const;
     Status afterDraw(bool drawn, std::vector<uint8_t>& rgb);
     void refreshFigures();
+    void findWeak();
     void keepAway();
     void applyLimits();
     void report(const std::string& problem);
@@ -70,6 +71,7 @@ private:
     bool rightHand_ = false;      // is the next that is looked at
     float detailSet_ = 0, budgetSet_ = 0;
     Exporter exporter_;
+    OverlayMaker overlays_;
     uint32_t settling_ = 2;  // frames that a script waits after loading, until panels have their sizes
     uint32_t scriptFrame_ = 0;
     bool done_ = false, failed_ = false;
