@@ -33,7 +33,8 @@ public:
     void hide();
     /** Size of its pixels; 0 × 0 while it is minimised. */
     VkExtent2D sizePx() const;
-    /** How many pixels its screen gives to one of a usual screen: 1 for 96 dots per inch, 2 for a screen that is scaled to 200 %. From 0.5 to 4. */
+    /** How many pixels its screen gives to one of a usual screen: 1 for 96 dots per inch, 2 for a screen that is scaled to 200 %. From 0.5
+     * to 4. */
     float screenScale() const;
 
     /** Files that were dropped on the window since the last call. */
