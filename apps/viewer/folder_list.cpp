@@ -5,6 +5,7 @@
 #include <cctype>
 #include <tuple>
 
+#include "apps/viewer/new_run.h"
 #include "apps/viewer/run_reader.h"
 
 namespace dpl {
@@ -14,7 +15,7 @@ namespace fs = std::filesystem;
 bool isOpenable(const std::string& name) {
     std::string ending = fs::path(name).extension().string();
     std::transform(ending.begin(), ending.end(), ending.begin(), [](unsigned char c) { return char(std::tolower(c)); });
-    return ending == ".glb" || ending == ".ply" || ending == ".spz" || ending == ".bvh" || ending == ".gltf";
+    return ending == ".glb" || ending == ".ply" || ending == ".spz" || ending == ".bvh" || ending == ".gltf" || isVideoName(name);
 }
 
 Result<FolderList> listFolder(const fs::path& folder) {

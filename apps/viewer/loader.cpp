@@ -36,6 +36,10 @@ void Loader::loadSample() {
     add({"the sample avatar", nullptr, true});
 }
 
+void Loader::loadWalk(DplAvatar avatar) {
+    add({.path = "a walk", .walks = avatar});
+}
+
 void Loader::add(Task task) {
     {
         std::lock_guard lock(mutex_);
@@ -195,7 +199,29 @@ LoadedFile Loader::compareNow(const CompareTask& task) {
     return out;
 }
 
+Result<std::filesystem::path> Loader::sampleNow() {
+    DPL_TRY(const std::filesystem::path program, doppelProgram());
+    return sampleAvatar(program, cacheFolder_.empty() ? std::filesystem::temp_directory_path() : std::filesystem::path(cacheFolder_),
+                        stop_);
+}
+
+LoadedFile Loader::walkNow(DplAvatar avatar) {
+    LoadedFile out;
+    out.file = "a walk";
+    const auto sample = sampleNow();
+    const auto bytes = sample ? readFile(*sample) : Result<std::vector<uint8_t>>(sample.error());
+    if (!bytes) return out;
+    DplClipOptions how{};
+    how.structSize = sizeof how;
+    how.flags = DPL_CLIP_IN_PLACE;  // it walks on its stand
+    how.name = how.animationName = kWalk;
+    uint32_t clip = 0;
+    if (dplLoadClip(avatar, bytes->data(), bytes->size(), &how, &clip) == DPL_OK) out.clipOf = avatar, out.clipFrom = *sample;
+    return out;
+}
+
 LoadedFile Loader::loadOne(const Task& task) {
+    if (task.walks) return walkNow(task.walks);
     if (task.compare) return compareNow(*task.compare);
     if (!task.list.empty()) return listNow(task);
     if (!task.settingsFile.empty()) return settingsNow(task);
@@ -212,25 +238,33 @@ LoadedFile Loader::loadOne(const Task& task) {
     };
     std::filesystem::path path = task.path;
     if (task.sample) {
-        const auto program = doppelProgram();
-        if (!program) return failed(program.error().message);
-        const std::filesystem::path folder = cacheFolder_.empty() ? std::filesystem::temp_directory_path().string() : cacheFolder_;
-        const auto made = sampleAvatar(*program, folder, stop_);
+        const auto made = sampleNow();
         if (!made) return failed(made.error().message);
         path = *made;
     }
     if (std::error_code error; std::filesystem::is_directory(path, error)) {
         path = out.opened;
         if (!isRunFolder(path)) {
-            if (!std::filesystem::is_regular_file(path / "scan.json", error))
-                return failed("this folder is neither a run of doppel reconstruct (progress.json, run.json) nor a scan (scan.json)");
-            out.scan = path;
+            if (std::filesystem::is_regular_file(path / "scan.json", error))
+                out.scan = path;
+            else if (isCaptureFolder(path))
+                out.film = path;
+            else
+                return failed(
+                    "this folder is neither a run of doppel reconstruct (progress.json, run.json) nor a film (a scan, photos, videos)");
             return out;
         }
         run_.emplace(path);
         LoadedFile look = lookIntoRun(true);
         look.opened = path;
+        look.request = readRunRequest(path);
         return look;
+    }
+    if (isVideoName(path.filename().string())) {
+        std::error_code error;
+        if (!std::filesystem::is_regular_file(out.opened, error)) return failed("there is no such file");
+        out.film = out.opened;
+        return out;
     }
     auto bytes = readFile(path);
     if (!bytes) return failed(bytes.error().message);
@@ -253,13 +287,13 @@ LoadedFile Loader::loadOne(const Task& task) {
             how.name = name.c_str();
             uint32_t clip = 0;
             if (dplLoadClip(onto, bytes->data(), bytes->size(), &how, &clip) != DPL_OK) return failed(dplGetLastError());
-            out.clipOf = onto;
+            out.clipOf = onto, out.clipFrom = out.opened;
             return out;
         }
         case FileKind::Unknown:
             break;
     }
-    return failed("this is neither an avatar (.glb), nor splats (.ply, .spz, .glb), nor a motion (.bvh, .glb)");
+    return failed("this is neither an avatar (.glb), nor splats (.ply, .spz, .glb), nor a motion (.bvh, .glb), nor a video (.mp4, .mov)");
 }
 
 void Loader::run() {

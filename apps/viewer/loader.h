@@ -11,6 +11,7 @@
 
 #include "apps/viewer/comparer.h"
 #include "apps/viewer/folder_list.h"
+#include "apps/viewer/new_run.h"
 #include "apps/viewer/run_reader.h"
 #include "apps/viewer/settings.h"
 #include "platform/desktop/shell.h"
@@ -42,14 +43,17 @@ struct LoadedFile {
     std::string file;                      // without folders; empty: not a file, but the context
     std::optional<doppel::Avatar> avatar;  // a new avatar, or general splats; of a run: in place of that of before
     DplAvatar clipOf = nullptr;            // the avatar that got a new clip
+    std::filesystem::path clipFrom;        // from this file
     std::filesystem::path opened;          // the file or folder that was asked for, absolute
     std::filesystem::path path;            // of the avatar's file
     bool comparable = false;               // its folder has cameras and poses of its scan
     std::filesystem::path scan;            // the file is the folder of a scan
+    std::filesystem::path film;            // the file is a video, or a folder that can be imported
     std::optional<ComparedNews> compared;  // `error` says why there are no pictures
     std::optional<FolderList> folder;      // what it holds; nobody has asked for a file
     std::optional<ViewerSettings> settings;
     std::optional<RunReader::News> run;  // of the run in the folder `file`, where nobody has asked for a file
+    std::optional<NewRun> request;       // with which the viewer has begun it; told when it is opened
     bool asked = true;                   // it answers load() or loadSample()
     std::string error;                   // a sentence, if none of these but `compared`
 };
@@ -81,6 +85,8 @@ public:
     void save(std::filesystem::path file, ViewerSettings settings);
     /** No run is watched any more. */
     void stopWatching();
+    /** Has an avatar walk as the sample does, unless their skeletons differ too much. */
+    void loadWalk(DplAvatar avatar);
     /** Loads the built-in sample avatar. The program `doppel` makes it the first time, which takes seconds. */
     void loadSample();
 
@@ -98,6 +104,7 @@ private:
         bool sample = false;
         std::optional<CompareTask> compare;
         std::filesystem::path list, settingsFile;
+        DplAvatar walks = nullptr;
         std::optional<ViewerSettings> save;
     };
     void run();
@@ -108,6 +115,8 @@ private:
     LoadedFile listNow(const Task& task);
     LoadedFile settingsNow(const Task& task);
     LoadedFile compareNow(const CompareTask& task);
+    LoadedFile walkNow(DplAvatar avatar);
+    Result<std::filesystem::path> sampleNow();
     Result<doppel::Avatar> loadAvatar(std::vector<uint8_t> bytes, const std::string& file);
     bool ends(const doppel::Load& load, const std::string& file);
 

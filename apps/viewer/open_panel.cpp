@@ -60,8 +60,8 @@ void drawOpen(ViewerState& state, float width, float height) {
                  ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoCollapse | ImGuiWindowFlags_NoSavedSettings);
     ImGui::PushStyleColor(ImGuiCol_Text, ImVec4(0.62f, 0.66f, 0.72f, 1));
     ImGui::TextWrapped(
-        "Avatars and splats (.glb, .ply, .spz), motions (.bvh, .glb), and folders of runs and scans. They can also be dropped on "
-        "the window.");
+        "Avatars and splats (.glb, .ply, .spz), motions (.bvh, .glb), videos, and folders of runs and scans. They can also be dropped "
+        "on the window.");
     ImGui::PopStyleColor();
     if (!state.settings.recent.empty() && ImGui::CollapsingHeader("Opened lately")) drawRecent(state, ViewerSettings::kMostRecent);
     ImGui::Separator();

@@ -12,7 +12,7 @@ std::optional<ViewerOptions> readOptions(int argc, const char* const* argv, int*
     std::string size = "1280x800";
     CLI::App app{
         "Shows avatars and splats in a window. Drop files on it: avatars (.glb), splats (.ply, .spz, .glb), motions (.bvh, .glb), "
-        "the folder of a doppel reconstruct.",
+        "the folder of a doppel reconstruct, and films of a person, to make an avatar of.",
         "doppel-viewer"};
     app.set_version_flag("--version", "doppel-viewer " DOPPEL_VERSION);
     app.add_option("files", options.files,
@@ -25,6 +25,8 @@ std::optional<ViewerOptions> readOptions(int argc, const char* const* argv, int*
         ->capture_default_str();
     app.add_option("--axes", options.axes, kAxesHelp)->check(CLI::IsMember(kAxesNames));
     app.add_option("--size", size, "Size of the picture")->check(isPictureSize())->capture_default_str();
+    app.add_option("--scale", options.scale, "Size of panels and letters, 1 as on a usual screen; default: as the screen is scaled")
+        ->check(inRange(0.5, 4));
     app.add_option("--azimuth", options.azimuthDeg, "Where the camera stands, degrees; 0: in front")->check(inRange(-360, 360));
     app.add_option("--magnification", options.magnification,
                    "How many pixels wide the finest details of the scan may become; the camera comes no nearer. 0: as near as you like")
@@ -46,6 +48,7 @@ std::optional<ViewerOptions> readOptions(int argc, const char* const* argv, int*
         "  doppel-viewer ada/avatar.glb walk.bvh\n"
         "  doppel-viewer ada.glb walk.bvh bob.glb run.bvh          two avatars, a motion for each\n"
         "  doppel-viewer OUT                                       watches doppel reconstruct SCAN -o OUT\n"
+        "  doppel-viewer walk.mp4                                   offers to make an avatar of the film\n"
         "  doppel-viewer OUT --compare full_003                     the avatar beside a photograph of its scan\n"
         "  doppel-viewer guitar.ply --axes y-down --room none\n"
         "  doppel-viewer ada.glb --clip walk --screenshot ada.png --size 1280x800 --frames 30 --room bright --hide-panels\n"

@@ -17,6 +17,7 @@ struct ViewerOptions {
     std::string clip, animation, room = "auto", axes, fill = "auto";  // axes: empty: as the files state
     PictureSize size{1280, 800};
     double azimuthDeg = 0;
+    float scale = 0;          // of panels and letters; 0: as the screen's
     float magnification = 8;  // of the scan's finest details, at most; 0: no limit
     std::filesystem::path screenshot, turntable;
     uint32_t frames = 0;  // 0: 1 for a screenshot, 120 for a turntable

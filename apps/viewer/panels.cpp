@@ -8,7 +8,11 @@
 
 #include "apps/shared/pictures.h"
 #include "apps/viewer/compare_panel.h"
+#include "apps/viewer/dressing_panel.h"
+#include "apps/viewer/export_panel.h"
+#include "apps/viewer/new_run_panel.h"
 #include "apps/viewer/open_panel.h"
+#include "apps/viewer/overlay_panel.h"
 #include "apps/viewer/run_panel.h"
 
 namespace dpl {
@@ -43,7 +47,7 @@ void quiet(const char* format, double a = 0, double b = 0) {
 
 void subjectList(ViewerState& state) {
     if (state.subjects.empty() && state.atHand.empty()) {
-        ImGui::TextWrapped("Drop an avatar (.glb) or splats (.ply, .spz, .glb) on the window.");
+        ImGui::TextWrapped("Drop an avatar (.glb) or splats (.ply, .spz, .glb) on the window, or a film of a person to make an avatar of.");
         if (ImGui::Button("Load the sample", {-1, 0})) state.wantsSample = true;
         if (ImGui::IsItemHovered()) ImGui::SetTooltip("An avatar that comes with Doppel; it is made the first time, in seconds");
         if (!state.settings.recent.empty()) quiet("Opened lately");
@@ -66,8 +70,12 @@ void subjectList(ViewerState& state) {
     if (const ViewedSubject* chosen = state.chosen())
         quiet(chosen->isAvatar() ? "%.0f splats, %.0f joints" : "%.0f splats", chosen->info.splatCount, double(chosen->joints.size()));
     if (!state.atHand.empty()) ImGui::TextWrapped("Loading %s ...", state.atHand.c_str());
-    if (ImGui::Button("Open ...", {-1, 0})) state.wantsOpenWindow = true;
+    const float half = (ImGui::GetContentRegionAvail().x - ImGui::GetStyle().ItemSpacing.x) / 2;
+    if (ImGui::Button("Open ...", {half, 0})) state.wantsOpenWindow = true;
     if (ImGui::IsItemHovered()) ImGui::SetTooltip("The key O does it too");
+    ImGui::SameLine();
+    if (ImGui::Button("Export ...", {half, 0})) openExport(state);
+    if (ImGui::IsItemHovered()) ImGui::SetTooltip("Pictures, videos, splats and meshes; the key E does it too");
 }
 
 void clipControls(ViewerState& state, ViewedSubject& subject) {
@@ -173,11 +181,6 @@ void pictureControls(ViewerState& state) {
         state.camera.setFovY(glm::radians(double(lensDeg)));
     if (ImGui::IsItemHovered())
         ImGui::SetTooltip("Field of view: narrow as a portrait lens, wide as a phone's. The person keeps their size");
-    const float half = (ImGui::GetContentRegionAvail().x - ImGui::GetStyle().ItemSpacing.x) / 2;
-    if (ImGui::Button("Screenshot", {half, 0})) state.wantsScreenshot = true;
-    ImGui::SameLine();
-    if (ImGui::Button("Turntable", {half, 0})) state.wantsTurntable = true;
-    if (ImGui::IsItemHovered()) ImGui::SetTooltip("A video of one turn around, in the folder from which the viewer was started");
     if (ImGui::Button("Keys and mouse (F1)", {-1, 0})) state.help = !state.help;
     if (!ImGui::CollapsingHeader("For engineers")) return;
     ImGui::SliderFloat("##detail", &state.splatsPerPixel, 0, 24,
@@ -260,9 +263,17 @@ FreeSpan freeSpan(const ViewerState& state, float width) {
 
 void drawPanels(ViewerState& state, float width, float height) {
     float top = kGap;
+    const ViewedSubject* played = state.chosen();
+    const bool overBar = played && played->clip && !state.compared && freeSpan(state, width).left < kLeftWidth;
+    const float bottom = height - kGap - (overBar ? kTimelineHeight + kGap : 0);
     if (state.compared) {
         beginPanel("Compare", kGap, top, kLeftWidth, height - 2 * kGap);
         drawComparison(state);
+        top += endPanel() + kGap;
+    }
+    if (state.starter) {
+        beginPanel("New avatar", kGap, top, kLeftWidth, height - 2 * kGap);
+        drawNewRun(state);
         top += endPanel() + kGap;
     }
     if (state.run) {
@@ -271,7 +282,7 @@ void drawPanels(ViewerState& state, float width, float height) {
         drawRun(state, heldBack.left < heldBack.right);
         top += endPanel() + kGap;
     }
-    beginPanel("Avatars", kGap, top, kLeftWidth, height - top - kGap);
+    beginPanel("Avatars", kGap, top, kLeftWidth, bottom - top);
     subjectList(state);
     if (ViewedSubject* subject = state.chosen(); subject) {
         ImGui::SliderFloat("##turned", &subject->turnedDeg, -180, 180, "turned by %.0f°", ImGuiSliderFlags_AlwaysClamp);
@@ -294,6 +305,8 @@ void drawPanels(ViewerState& state, float width, float height) {
         }
         if (ImGui::CollapsingHeader("Clip", ImGuiTreeNodeFlags_DefaultOpen)) clipControls(state, *subject);
         if (ImGui::CollapsingHeader("Joints by hand")) jointList(*subject);
+        drawOverlayChoice(state);
+        drawDressing(state);
     }
     endPanel();
     timeline(state, width, height);
@@ -322,6 +335,7 @@ void drawHelp(ViewerState& state, float width, float height) {
         {"left, right", "the next photograph, while comparing"},
         {"space", "play, pause"},
         {"H", "hide or show the panels"},
+        {"E", "export pictures, videos, files"},
         {"P", "save a picture without panels"},
         {"F1", "this list"},
     };

@@ -45,8 +45,8 @@ Status RecordingFolder::rename(const fs::path& target) {
     return {};
 }
 
-Result<Turntable> Turntable::begin(const fs::path& path, uint32_t frames, uint32_t widthPx, uint32_t heightPx, double framesPerSecond) {
-    Turntable made;
+Result<Recording> Recording::begin(const fs::path& path, uint32_t frames, uint32_t widthPx, uint32_t heightPx, double framesPerSecond) {
+    Recording made;
     made.path_ = path;
     made.frames_ = frames, made.widthPx_ = widthPx, made.heightPx_ = heightPx;
     if (path.extension() == ".mp4") {
@@ -60,11 +60,11 @@ Result<Turntable> Turntable::begin(const fs::path& path, uint32_t frames, uint32
     return made;
 }
 
-double Turntable::turnRad() const {
+double Recording::turnRad() const {
     return 2 * std::numbers::pi * double(done_) / double(frames_);
 }
 
-Status Turntable::add(std::span<const uint8_t> rgb, uint32_t widthPx, uint32_t heightPx) {
+Status Recording::add(std::span<const uint8_t> rgb, uint32_t widthPx, uint32_t heightPx) {
     if (widthPx != widthPx_ || heightPx != heightPx_)
         return fail(Code::InvalidArgument, "{}: not written, because the window got another size meanwhile", path_.string());
     const bool last = done_ + 1 == frames_;

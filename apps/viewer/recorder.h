@@ -30,11 +30,11 @@ private:
     std::filesystem::path path_;  // empty: renamed
 };
 
-class Turntable {
+class Recording {
 public:
     /** path: a file that ends in .mp4, or a folder that does not exist yet. NotFound: a video needs the program ffmpeg. A video leaves out
      *  the last column or row of an odd picture. */
-    static Result<Turntable> begin(const std::filesystem::path& path, uint32_t frames, uint32_t widthPx, uint32_t heightPx,
+    static Result<Recording> begin(const std::filesystem::path& path, uint32_t frames, uint32_t widthPx, uint32_t heightPx,
                                    double framesPerSecond);
     // Destroying a turntable removes what is not finished.
 
@@ -48,7 +48,7 @@ public:
     Status add(std::span<const uint8_t> rgb, uint32_t widthPx, uint32_t heightPx);
 
 private:
-    Turntable() = default;
+    Recording() = default;
     std::filesystem::path path_;
     std::unique_ptr<VideoWriter> video_;  // one of these two
     std::unique_ptr<RecordingFolder> pictures_;

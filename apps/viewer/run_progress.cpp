@@ -111,6 +111,14 @@ Result<RunProgress> parseRunProgress(std::string_view bytes, const std::string& 
     return p;
 }
 
+std::string wordsOfTheRest(const RunProgress& progress) {
+    if (progress.place == 0) return {};
+    const uint32_t behind = progress.places - progress.place;
+    if (behind == 0) return "This is the last part of the run.";
+    if (behind == 1) return "One more part comes after this one; how long it takes is not known before.";
+    return formatText("{} more parts come after this one; how long they take is not known before.", behind);
+}
+
 std::string wordsOfTime(double seconds) {
     return seconds < 45 ? "less than a minute" : minutesOrHours(seconds);
 }

@@ -43,6 +43,9 @@ Result<RunProgress> parseRunProgress(std::string_view text, const std::string& w
 
 /** "about 12 minutes left"; a word for each size of time. */
 std::string wordsOfTimeLeft(double seconds);
+/** What is known of the time after the part at hand, which is all that a run foretells: how many parts come behind it, or that it is the
+ *  last. "" before the first part. */
+std::string wordsOfTheRest(const RunProgress& progress);
 /** "25 minutes", "1 h 40 min". */
 std::string wordsOfTime(double seconds);
 

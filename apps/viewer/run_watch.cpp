@@ -44,6 +44,7 @@ RunWatch::Life RunWatch::life(double nowS) const {
         case RunProgress::State::Running:
             break;
     }
+    if (stoppedUnixS_ == progress_.startedUnixS) return Life::Stopped;
     return silent(nowS) ? Life::Silent : Life::Running;
 }
 

@@ -21,6 +21,9 @@ public:
     /** nowS: of any clock that never goes back; unixS: the time of day, which may be another one than that of the run's machine. */
     void hear(const RunLook& look, double nowS, double unixS);
 
+    /** Its process has ended after a wish to stop, and may have had no time to tell. */
+    void knowStopped() { stoppedUnixS_ = progress_.startedUnixS; }
+
     const std::string& name() const { return name_; }
     /** The last that could be read. */
     const RunProgress& progress() const { return progress_; }
@@ -36,7 +39,8 @@ private:
     RunLook::Kind kind_ = RunLook::Kind::Gone;
     std::string problem_;  // of the last look
     RunProgress progress_;
-    bool heard_ = false;  // progress_ is of this run
+    std::optional<double> stoppedUnixS_;  // the start of a run that is known to have ended
+    bool heard_ = false;                  // progress_ is of this run
     double changedS_ = 0, silentAfterS_ = kSilentS;
 };
 

@@ -9,6 +9,9 @@
 
 namespace dpl {
 
+/** The clip of the sample that other avatars walk by. */
+constexpr const char* kWalk = "walk";
+
 /** The program `doppel` of this viewer: beside it, or in its build tree, or else in PATH. NotFound: a sentence that says what to install.
  */
 Result<std::filesystem::path> doppelProgram();

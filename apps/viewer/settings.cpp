@@ -60,16 +60,15 @@ ViewerSettings parseSettings(std::string_view text) {
         for (auto path = (*recent)->rbegin(); path != (*recent)->rend(); ++path)
             if (path->is_string()) settings.remember(path->get<std::string>());
     if (const auto folder = fields.text("folder"); folder && isPath(*folder)) settings.folder = *folder;
+    if (const auto exports = fields.text("exports"); exports && isPath(*exports)) settings.exports = *exports;
     if (const auto room = fields.text("room"); room && (*room == "dark" || *room == "bright" || *room == "none")) settings.room = *room;
     return settings;
 }
 
 std::string settingsToJson(const ViewerSettings& settings) {
-    const ordered_json file = {{"format", "doppel-viewer-settings"},
-                               {"version", 1},
-                               {"recent", settings.recent},
-                               {"folder", settings.folder},
-                               {"room", settings.room}};
+    const ordered_json file = {{"format", "doppel-viewer-settings"}, {"version", 1},
+                               {"recent", settings.recent},          {"folder", settings.folder},
+                               {"exports", settings.exports},        {"room", settings.room}};
     return file.dump(1, ' ', false, ordered_json::error_handler_t::replace) + "\n";
 }
 

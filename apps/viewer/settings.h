@@ -17,6 +17,7 @@ struct ViewerSettings {
 
     std::vector<std::string> recent;  // absolute paths, the last opened first
     std::string folder;               // where Open... looked last
+    std::string exports;              // the folder that exports go to, as typed; empty: the current one
     std::string room;                 // "dark", "bright", "none", or "" before one was chosen
 
     /** Puts a file or a folder first. */

@@ -2,6 +2,7 @@
 #include "apps/viewer/subject.h"
 
 #include <cmath>
+#include <utility>
 
 #include "apps/shared/change_pose.h"
 #include "apps/shared/pictures.h"
@@ -38,15 +39,15 @@ Result<ViewedSubject> ViewedSubject::of(doppel::Avatar avatar, std::string file)
     return made;
 }
 
-Status ViewedSubject::takeNewClip() {
+Status ViewedSubject::takeNewClip(const std::filesystem::path& from) {
     auto now = avatar.info();
     if (!now) return fromSdk(now.error());
     info = *now;
-    clips.clear();
+    const std::vector<Clip> before = std::exchange(clips, {});
     for (uint32_t i = 0; i < info.clipCount; ++i) {
         auto about = avatar.clip(i);
         if (!about) return fromSdk(about.error());
-        clips.push_back({about->name, about->durationS});
+        clips.push_back({about->name, about->durationS, i < before.size() ? before[i].from : from});
     }
     if (!clips.empty()) clip = uint32_t(clips.size() - 1);
     return {};

@@ -19,13 +19,14 @@ struct ViewedSubject {
     struct Clip {
         std::string name;
         double durationS = 0;
+        std::filesystem::path from;  // the motion file, absolute; empty: the avatar's own file
     };
 
     static Result<ViewedSubject> of(doppel::Avatar avatar, std::string file);
 
     bool isAvatar() const { return !joints.empty(); }  // general splats have no joints
-    /** Reads the list of clips again and plays the last one. */
-    Status takeNewClip();
+    /** Reads the list of clips again and plays the last one. from: the motion file of those that are new. */
+    Status takeNewClip(const std::filesystem::path& from = {});
     /** Plays another clip, or the rest pose, from nowS on. Two clips cross-fade. */
     void play(std::optional<uint32_t> other, double nowS);
     /** Stands it upright, turned and moved, then poses it: the clip at the time that the clock says, and the angles on top. General

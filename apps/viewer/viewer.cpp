@@ -10,7 +10,10 @@
 
 #include "apps/shared/pictures.h"
 #include "apps/viewer/compared_avatar.h"
+#include "apps/viewer/export_panel.h"
+#include "apps/viewer/new_runs.h"
 #include "apps/viewer/open_panel.h"
+#include "apps/viewer/overlay_panel.h"
 #include "apps/viewer/room_plan.h"
 #include "apps/viewer/watched_run.h"
 #include "reconstruction/base/sdk_camera.h"
@@ -18,7 +21,6 @@
 namespace dpl {
 namespace {
 
-constexpr double kScriptStepS = 1.0 / 30;
 constexpr int kF1 = 290, kRight = 262, kLeft = 263, kEscape = 256;  // GLFW's codes
 
 /** Where self-tests of drivers are kept between runs; empty if there is no such folder. */
@@ -43,6 +45,7 @@ platform::ShellInfo shellInfo(const ViewerOptions& options, Timings& timings) {
     info.widthPx = options.size.widthPx, info.heightPx = options.size.heightPx;
     info.fixedPicture = options.isScript();
     info.validation = options.validation;
+    info.scale = options.scale;
     info.onStep = [&timings](const char* step) { timings.mark(step); };
     return info;
 }
@@ -97,21 +100,25 @@ Status Viewer::frame() {
     advanceTime();
     DPL_RETURN_IF_ERROR(arrange());
     const ImVec2 size = ImGui::GetIO().DisplaySize;
-    const bool panels = state_.panels && !turntable_ && screenshot_.empty();
     state_.messages.tick(nowS());
-    if (panels) drawPanels(state_, size.x, size.y);
-    if (!turntable_ && screenshot_.empty()) {
+    if (!state_.compared) drawOverlay(state_, cameraNow(), ImGui::GetIO().DisplayFramebufferScale.x);
+    if (!exporter_.records()) {
+        if (state_.panels) drawPanels(state_, size.x, size.y);
         drawHelp(state_, size.x, size.y);
         drawOpen(state_, size.x, size.y);
+        drawExport(state_, size.x, size.y);
     }
+    drawExportProgress(state_, size.x);
     drawMessages(state_, size.x, size.y);
 
     platform::FrameContents what = contents();
     std::vector<uint8_t> rgb;
     const bool scripted = options_.isScript() && scriptMayBegin() && !options_.screenshot.empty();
     if (scripted) what.panels = !options_.hidePanels;
-    if (turntable_ || !screenshot_.empty()) what.panels = false;
-    if (turntable_ || !screenshot_.empty() || (scripted && scriptFrame_ + 1 == options_.frames)) what.rgb = &rgb;
+    what.rgbPanels = !exporter_.wantsPicture();
+    if (exporter_.wantsPicture() || (scripted && scriptFrame_ + 1 == options_.frames)) what.rgb = &rgb;
+    if (exporter_.wantsCutOut())
+        if (const Status saved = exporter_.drawCutOut(state_, what.view, what.context); !saved) report(saved.error().message);
     const uint64_t before = shell_->shown();
     const auto drawn = shell_->draw(what);
     if (!drawn) return fromSdk(drawn.error());
@@ -121,7 +128,7 @@ Status Viewer::frame() {
 
 FreeSpan Viewer::freeNow() const {
     const float width = ImGui::GetIO().DisplaySize.x;
-    return turntable_ || !screenshot_.empty() ? FreeSpan{0, width} : freeSpan(state_, width);
+    return exporter_.wantsPicture() || exporter_.wantsCutOut() ? FreeSpan{0, width} : freeSpan(state_, width);
 }
 
 Camerad Viewer::cameraNow() const {
@@ -145,7 +152,7 @@ platform::FrameContents Viewer::contents() {
         }
         return what;
     }
-    if (!turntable_ && screenshot_.empty()) what.pictures = picturesOfRun(state_, size.x, size.y, ImGui::GetIO().DisplayFramebufferScale.x);
+    if (!exporter_.wantsPicture()) what.pictures = picturesOfRun(state_, size.x, size.y, ImGui::GetIO().DisplayFramebufferScale.x);
     for (const ViewedSubject& subject : state_.subjects) {
         if (!subject.shown) continue;
         what.avatars.push_back(subject.avatar.handle());
@@ -183,6 +190,9 @@ void Viewer::takeFiles() {
             if (options_.isScript() && state_.compared && !state_.compared->problem.empty()) report(state_.compared->problem);
         } else if (!file.error.empty()) {
             report(file.error);
+        } else if (!file.film.empty() || (!file.scan.empty() && !(state_.chosen() && state_.chosen()->comparable))) {
+            if (const Status offered = offerRun(state_, {file.film.empty() ? file.scan : file.film}); !offered)
+                report(offered.error().message);
         } else if (!file.scan.empty()) {
             if (const Status begun = beginComparing(state_, *shell_, file.scan, {}); !begun) report(begun.error().message);
         } else if (file.run) {
@@ -193,7 +203,7 @@ void Viewer::takeFiles() {
         } else {
             for (ViewedSubject& subject : state_.subjects)
                 if (subject.avatar.handle() == file.clipOf)
-                    if (const Status taken = subject.takeNewClip(); !taken) report(taken.error().message);
+                    if (const Status taken = subject.takeNewClip(file.clipFrom); !taken) report(taken.error().message);
         }
     }
     state_.atHand = loader_->atHand();
@@ -210,7 +220,9 @@ void Viewer::addSubject(LoadedFile loaded) {
     if (!options_.clip.empty() && made->isAvatar()) {
         const auto clip = chooseClip(made->avatar, options_.clip, options_.animation);
         if (!clip) return report(clip.error().message);
-        if (const Status taken = made->takeNewClip(); !taken) return report(taken.error().message);
+        std::error_code error;
+        const auto from = made->clips.size() == *clip ? std::filesystem::absolute(options_.clip, error) : std::filesystem::path();
+        if (const Status taken = made->takeNewClip(from); !taken) return report(taken.error().message);
         made->clip = *clip;
     }
     if (!made->axes.stated && state_.axes.empty())
@@ -253,7 +265,8 @@ void Viewer::takeKey(int key) {  // GLFW's codes of letters and digits are those
     if (key == 'F') state_.wantsFrame = true;
     if (key == 'O') state_.wantsOpenWindow = true;
     if (key == 'H') state_.panels = !state_.panels;
-    if (key == 'P') state_.wantsScreenshot = true;
+    if (key == 'E') openExport(state_);
+    if (key == 'P') state_.wantsExport = ExportKind::Picture;
     if (key == '1') state_.wantsPart = SeenPart::Whole;
     if (key == '2') state_.wantsPart = SeenPart::Face;
     if (key == '3') {
@@ -263,8 +276,19 @@ void Viewer::takeKey(int key) {  // GLFW's codes of letters and digits are those
     if (key == kF1) state_.help = !state_.help;
     if (state_.compared && key == kLeft) state_.compared->comparison.step(-1);
     if (state_.compared && key == kRight) state_.compared->comparison.step(1);
-    if (key == kEscape && !state_.open) state_.wantsCompareEnd = true;
-    if (key == kEscape) state_.open.reset();
+    if (key == kEscape) escape();
+}
+
+/** Closes or ends what was begun last. */
+void Viewer::escape() {
+    if (state_.open)
+        state_.open.reset();
+    else if (state_.exports.open)
+        state_.exports.open = false;
+    else if (state_.exports.running)
+        state_.wantsExportEnd = true;
+    else
+        state_.wantsCompareEnd = true;
 }
 
 /** Turns around what is seen there from now on, and selects whose it is. x, y: in ImGui's coordinates. */
@@ -274,16 +298,6 @@ void Viewer::focusOn(float x, float y) {
     if (!place) return;
     state_.selected = place->subject;
     state_.camera.lookCloserAt(place->point);
-}
-
-void Viewer::startTurntable(std::filesystem::path path) {
-    const VkExtent2D size = shell_->picturePx();
-    auto begun = Turntable::begin(path, options_.frames > 1 ? options_.frames : 120, size.width, size.height, 1 / kScriptStepS);
-    if (!begun && begun.error().code == Code::NotFound && options_.turntable.empty())  // no ffmpeg: pictures instead
-        begun = Turntable::begin(nextFreeName("turntable", ""), 120, size.width, size.height, 1 / kScriptStepS);
-    if (!begun) return report(begun.error().message);
-    turntable_.emplace(std::move(*begun));
-    turntableFromRad_ = state_.camera.azimuthRad();
 }
 
 void Viewer::fulfilWishes() {
@@ -312,26 +326,35 @@ void Viewer::fulfilWishes() {
         if (const Status begun = beginComparing(state_, *shell_, {}, first ? options_.compare : ""); !begun) report(begun.error().message);
     comparedFirst_ |= first;
     if (auto task = comparisonToDraw(state_)) loader_->compare(std::move(*task)), ++waitingFor_;
-    if (loader_) waitingFor_ += opened_.fulfil(state_, *loader_);
+    if (loader_) {
+        if (const Status followed = fulfilRuns(state_); !followed) report(followed.error().message);
+        waitingFor_ += opened_.fulfil(state_, *loader_);
+        if (const auto avatar = std::exchange(state_.wantsWalk, std::nullopt)) loader_->loadWalk(*avatar), ++waitingFor_;
+    }
     if (std::exchange(state_.wantsKeptRoom, false) && options_.room == "auto" && !state_.settings.room.empty())
         state_.room = roomOf(state_.settings.room);
     if (state_.wantsSample && loader_) loader_->loadSample(), ++waitingFor_;
-    if (state_.wantsScreenshot) screenshot_ = nextFreeName("doppel", ".png");
-    if (state_.wantsTurntable && !turntable_) startTurntable(nextFreeName("turntable", ".mp4"));
     state_.wantsRemoval.reset(), state_.wantsClip.reset(), state_.wantsPart.reset();
-    state_.wantsScreenshot = state_.wantsTurntable = state_.wantsSample = state_.wantsCompare = state_.wantsCompareEnd = false;
-    if (options_.isScript() && !options_.turntable.empty() && scriptMayBegin() && !turntable_ && !done_) startTurntable(options_.turntable);
-    if (turntable_) state_.camera.setAzimuth(turntableFromRad_ + turntable_->turnRad());
+    state_.wantsSample = state_.wantsCompare = state_.wantsCompareEnd = false;
+    const VkExtent2D size = shell_->picturePx();
+    if (!options_.turntable.empty() && scriptMayBegin() && !exporter_.records() && !done_)
+        if (const Status begun =
+                exporter_.beginVideo(state_, ExportKind::Turntable, options_.turntable, options_.frames, size.width, size.height, false);
+            !begun)
+            report(begun.error().message);
+    if (const Status exported = exporter_.fulfil(state_, size.width, size.height); !exported) report(exported.error().message);
 }
 
 void Viewer::advanceTime() {
     const double now = nowS(), passed = now - lastS_;
     lastS_ = now;
-    if (options_.isScript())
-        state_.playback.timeS = kScriptStepS * (turntable_ ? turntable_->done() : scriptFrame_);
+    if (exporter_.records())
+        exporter_.advance(state_);
+    else if (options_.isScript())
+        state_.playback.timeS = Exporter::kStepS * scriptFrame_;
     else
-        state_.playback.advance(turntable_ ? kScriptStepS : passed);
-    if (!turntable_) turnRun(state_, !options_.isScript() ? passed : scriptFrame_ > 0 ? kScriptStepS : 0);
+        state_.playback.advance(passed);
+    if (!exporter_.records()) turnRun(state_, !options_.isScript() ? passed : scriptFrame_ > 0 ? Exporter::kStepS : 0);
 }
 
 Status Viewer::arrange() {
@@ -344,12 +367,25 @@ Status Viewer::arrange() {
         if (subject.isAvatar()) subject.asideM = *place++;
         if (const Status posed = subject.pose(state_.playback, lastS_); !posed) report(subject.file + ": " + posed.error().message);
     }
+    findWeak();
     if (state_.wantsFrame || !framed_) DPL_RETURN_IF_ERROR(frameAll());
     if (state_.wantsRoom) DPL_RETURN_IF_ERROR(buildRoom());
     state_.wantsFrame = state_.wantsRoom = false;
-    if (!options_.isScript() && !turntable_) keepAway();
+    if (!options_.isScript() && !exporter_.records()) keepAway();
     applyLimits();
     return {};
+}
+
+/** What is weak in the pose of the selected avatar, where it is asked for. */
+void Viewer::findWeak() {
+    ViewedSubject* chosen = state_.chosen();
+    state_.weak = {};
+    if (!chosen || !chosen->shown || state_.overlay == Overlay::None) return;
+    auto shapes = overlays_.shapes(*chosen, state_.overlay, state_.playback, lastS_);
+    if (shapes)
+        state_.weak = std::move(*shapes);
+    else
+        report(chosen->file + ": " + shapes.error().message), state_.overlay = Overlay::None;
 }
 
 /** Holds the camera where the scan still has details to show. */
@@ -412,22 +448,10 @@ Status Viewer::afterDraw(bool drawn, std::vector<uint8_t>& rgb) {
         return {};
     }
     refreshFigures();
-    if (!screenshot_.empty() && !rgb.empty()) {
-        if (const Status written = writeScreenshot(screenshot_, rgb, size.width, size.height); !written)
-            report(written.error().message);
-        else
-            state_.messages.info(formatText("Saved {}", screenshot_.string()), nowS());
-        screenshot_.clear();
-    }
-    if (turntable_ && !rgb.empty()) {
-        const Status added = turntable_->add(rgb, size.width, size.height);
-        if (!added || turntable_->done() == turntable_->frames()) {
-            if (!added) report(added.error().message);
-            if (added) state_.messages.info(formatText("Saved {}", turntable_->path().string()), nowS());
-            state_.camera.setAzimuth(turntableFromRad_);
-            turntable_.reset();
-            done_ = options_.isScript();
-        }
+    if (exporter_.wantsPicture()) {
+        const auto last = exporter_.take(state_, rgb, size.width, size.height);
+        if (!last) report(last.error().message);
+        done_ |= last && *last && options_.isScript();
     }
     if (!options_.screenshot.empty() && scriptMayBegin() && !failed_) {
         if (!rgb.empty()) {

@@ -6,11 +6,11 @@
 #include <chrono>
 #include <memory>
 
+#include "apps/viewer/exporter.h"
 #include "apps/viewer/loader.h"
 #include "apps/viewer/opened_files.h"
 #include "apps/viewer/options.h"
 #include "apps/viewer/panels.h"
-#include "apps/viewer/recorder.h"
 #include "apps/viewer/state.h"
 #include "apps/viewer/timings.h"
 
@@ -34,6 +34,7 @@ private:
     void addSubject(LoadedFile loaded);
     void takeInput();
     void takeKey(int key);
+    void escape();
     void dragWipe();
     void focusOn(float x, float y);
     void fulfilWishes();
@@ -45,8 +46,8 @@ private:
     FreeSpan freeNow() const;
     Camerad cameraNow() const;
     Status afterDraw(bool drawn, std::vector<uint8_t>& rgb);
-    void startTurntable(std::filesystem::path path);
     void refreshFigures();
+    void findWeak();
     void keepAway();
     void applyLimits();
     void report(const std::string& problem);
@@ -69,10 +70,9 @@ private:
     bool comparedFirst_ = false;  // --compare was heard
     bool rightHand_ = false;      // is the next that is looked at
     float detailSet_ = 0, budgetSet_ = 0;
-    std::optional<Turntable> turntable_;
-    double turntableFromRad_ = 0;
-    std::filesystem::path screenshot_;  // to be taken from the next frame; empty: none
-    uint32_t settling_ = 2;             // frames that a script waits after loading, until panels have their sizes
+    Exporter exporter_;
+    OverlayMaker overlays_;
+    uint32_t settling_ = 2;  // frames that a script waits after loading, until panels have their sizes
     uint32_t scriptFrame_ = 0;
     bool done_ = false, failed_ = false;
 };

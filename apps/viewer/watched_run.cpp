@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "apps/viewer/watched_run.h"
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 
 #include "apps/shared/pictures.h"
 #include "apps/viewer/panels.h"
+#include "apps/viewer/sample.h"
 
 namespace dpl {
 namespace {
@@ -33,6 +35,11 @@ Status takeAvatar(ViewerState& state, WatchedRun& run, LoadedFile& news) {
         state.wantsFrame = true;
     }
     run.avatar = handle, run.finished = news.run->finished;
+    constexpr size_t kJointsOfAPerson = 12;
+    if (const ViewedSubject* subject = state.subjectOf(handle);
+        run.finished && subject->joints.size() >= kJointsOfAPerson &&
+        std::none_of(subject->clips.begin(), subject->clips.end(), [](const ViewedSubject::Clip& clip) { return clip.name == kWalk; }))
+        state.wantsWalk = handle;
     return {};
 }
 
@@ -42,6 +49,8 @@ Status takeRunNews(ViewerState& state, platform::Shell& shell, LoadedFile news) 
     if (news.asked) {  // another run, or the same anew
         dropRun(state, shell);
         state.run.emplace(WatchedRun{RunWatch(news.file)});
+        state.run->folder = news.opened, state.run->request = std::move(news.request);
+        if (state.coach.out == news.opened) state.run->coach = state.coach.words;
     }
     if (!state.run) return {};  // the last look of a run that was dropped meanwhile
     WatchedRun& run = *state.run;

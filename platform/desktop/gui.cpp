@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "platform/desktop/gui.h"
 
+#define GLFW_INCLUDE_NONE
+#include <GLFW/glfw3.h>
 #include <backends/imgui_impl_glfw.h>
 #include <backends/imgui_impl_vulkan.h>
 #include <imgui.h>
@@ -50,10 +52,27 @@ void setStyle() {
     style.Colors[ImGuiCol_TitleBg] = style.Colors[ImGuiCol_TitleBgActive] = {0.13f, 0.15f, 0.18f, 1};
 }
 
+float imguiFromWindow = 1;  // coordinates of the mouse; of the one Gui that there is
+
+#if IMGUI_VERSION_NUM >= 18700  // positions come as events
+void takeMouse(GLFWwindow* window) {
+    glfwSetCursorPosCallback(window, [](GLFWwindow* of, double x, double y) {
+        ImGui_ImplGlfw_CursorPosCallback(of, x * double(imguiFromWindow), y * double(imguiFromWindow));
+    });
+}
+void scaleMouse() {}
+#else
+void takeMouse(GLFWwindow*) {}
+void scaleMouse() {
+    ImVec2& at = ImGui::GetIO().MousePos;
+    if (ImGui::IsMousePosValid(&at)) at = {at.x * imguiFromWindow, at.y * imguiFromWindow};
+}
+#endif
+
 }  // namespace
 
-Result<std::unique_ptr<Gui>> Gui::create(const Window& window, Device& device, VkRenderPass pass, uint32_t framesInFlight) {
-    std::unique_ptr<Gui> made(new Gui(device));
+Result<std::unique_ptr<Gui>> Gui::create(const Window& window, Device& device, VkRenderPass pass, uint32_t framesInFlight, float scale) {
+    std::unique_ptr<Gui> made(new Gui(device, scale));
     DPL_SHELL_OK(made->make(window, pass, framesInFlight));
     return made;
 }
@@ -72,9 +91,10 @@ Status Gui::make(const Window& window, VkRenderPass pass, uint32_t framesInFligh
     begun_ = true;
     ImGuiIO& io = ImGui::GetIO();
     io.IniFilename = nullptr;  // panels have their places; nothing is written into the folder of the user
-    if (access(kFont, R_OK) == 0) io.Fonts->AddFontFromFileTTF(kFont, 15);
+    if (access(kFont, R_OK) == 0) io.Fonts->AddFontFromFileTTF(kFont, 15 * scale_), io.FontGlobalScale = 1 / scale_;
     setStyle();
     ImGui_ImplGlfw_InitForVulkan(window.handle(), true);
+    takeMouse(window.handle());
     ImGui_ImplVulkan_InitInfo info{};
     info.Instance = device_.instance(), info.PhysicalDevice = device_.physical(), info.Device = device_.device();
     info.QueueFamily = device_.family(), info.Queue = device_.queue();
@@ -101,10 +121,12 @@ void Gui::beginFrame(VkExtent2D size) {
     ImGui_ImplVulkan_NewFrame();
     ImGui_ImplGlfw_NewFrame();
     ImGuiIO& io = ImGui::GetIO();
-    // The picture may have another size than the window (scripts). On screens with large pixels, coordinates of the window are fewer.
-    const float scale = io.DisplayFramebufferScale.x > 0 ? io.DisplayFramebufferScale.x : 1;
-    io.DisplaySize = {float(size.width) / scale, float(size.height) / scale};
-    io.DisplayFramebufferScale = {scale, scale};
+    // The picture may have another size than the window (scripts). Systems count a scaled window in its pixels, or in fewer units.
+    const float ofWindow = io.DisplayFramebufferScale.x > 0 ? io.DisplayFramebufferScale.x : 1;
+    io.DisplaySize = {float(size.width) / scale_, float(size.height) / scale_};
+    io.DisplayFramebufferScale = {scale_, scale_};
+    imguiFromWindow = ofWindow / scale_;
+    scaleMouse();
     ImGui::NewFrame();
 }
 

@@ -12,8 +12,9 @@ namespace dpl::platform {
 class Gui {
 public:
     /** pass: a pass with one RGBA8 or BGRA8 attachment of display values and one sample. Uploads the font and waits for it. At most one at
-     *  a time; window and device must outlive it. */
-    static Result<std::unique_ptr<Gui>> create(const Window& window, Device& device, VkRenderPass pass, uint32_t framesInFlight);
+     *  a time; window and device must outlive it. scale: pixels of the picture for one of ImGui's coordinates, from 0.5 to 4. */
+    static Result<std::unique_ptr<Gui>> create(const Window& window, Device& device, VkRenderPass pass, uint32_t framesInFlight,
+                                               float scale);
     ~Gui();
     Gui(const Gui&) = delete;
     Gui& operator=(const Gui&) = delete;
@@ -25,10 +26,11 @@ public:
     Status record(VkCommandBuffer commands) const;
 
 private:
-    explicit Gui(Device& device) : device_(device) {}
+    Gui(Device& device, float scale) : device_(device), scale_(scale) {}
     Status make(const Window& window, VkRenderPass pass, uint32_t framesInFlight);
 
     Device& device_;
+    const float scale_;
     bool begun_ = false;  // Dear ImGui has something to end
     VkDescriptorPool pool_ = VK_NULL_HANDLE;
 };

@@ -37,7 +37,7 @@ Status Shell::makeParts(const ShellInfo& info) {
     const auto done = [&info](const char* step) {
         if (info.onStep) info.onStep(step);
     };
-    DPL_SHELL_TRY(p.window, Window::create(info.title, info.widthPx, info.heightPx));
+    DPL_SHELL_TRY(p.window, Window::create(info.title, info.widthPx, info.heightPx, !info.fixedPicture));
     done("window");
     DPL_SHELL_TRY(const Presentation presentation, p.window->presentation(info.validation));
     DPL_SHELL_TRY(p.device, Device::create(presentation));
@@ -48,7 +48,8 @@ Status Shell::makeParts(const ShellInfo& info) {
     DPL_SHELL_TRY(p.shadows, FloorShadows::create(p.device->handles(), roomPass, kMaxStands));
     DPL_SHELL_TRY(p.pictures, Pictures::create(p.device->handles(), p.canvas->finishingPass()));
     done("pipelines of the room");
-    DPL_SHELL_TRY(p.gui, Gui::create(*p.window, *p.device, p.canvas->finishingPass(), DPL_VULKAN_SLOTS));
+    const float scale = info.scale > 0 ? info.scale : info.fixedPicture ? 1 : p.window->screenScale();
+    DPL_SHELL_TRY(p.gui, Gui::create(*p.window, *p.device, p.canvas->finishingPass(), DPL_VULKAN_SLOTS, scale));
     done("font and pipeline of the panels");
     DPL_SHELL_TRY(const VkSurfaceKHR surface, p.window->makeSurface(p.device->instance()));
     DPL_SHELL_TRY(p.swapchain, Swapchain::create(*p.device, surface, VK_IMAGE_USAGE_TRANSFER_DST_BIT));
@@ -151,14 +152,20 @@ Result<std::string> Shell::draw(const FrameContents& contents) {
     DPL_SHELL_OK(parts_->device->submit(submit, slot.done));
     DPL_SHELL_OK(parts_->swapchain->present(*image));
     ++shown_;
-    if (contents.rgb) DPL_SHELL_OK(readPicture(*contents.rgb));
+    if (contents.rgb) DPL_SHELL_OK(readPicture(contents));
     return problem;
 }
 
-Status Shell::readPicture(std::vector<uint8_t>& rgb) {
+Status Shell::readPicture(const FrameContents& contents) {
+    std::vector<uint8_t>& rgb = *contents.rgb;
     const size_t pixels = size_t(picturePx_.width) * picturePx_.height;
     DPL_SHELL_TRY(HostBuffer buffer, makeHostBuffer(parts_->device->handles(), pixels * 4, VK_BUFFER_USAGE_TRANSFER_DST_BIT));
     Status copied = parts_->device->runOnce([&](VkCommandBuffer commands) {
+        if (contents.panels && !contents.rgbPanels) {  // the light of the frame is still there
+            parts_->canvas->beginFinishing(commands);
+            parts_->pictures->record(commands, picturePx_, contents.pictures);
+            vkCmdEndRenderPass(commands);
+        }
         VkBufferImageCopy region{};
         region.imageSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, 1};
         region.imageExtent = {picturePx_.width, picturePx_.height, 1};

@@ -29,6 +29,7 @@ struct ShellInfo {
     uint32_t widthPx = 0, heightPx = 0;
     bool fixedPicture = false;                // pictures keep this size even if the window gets another one
     bool validation = false;                  // load the validation layer
+    float scale = 0;                          // pixels for one of ImGui's coordinates; 0: what the screen has, or 1 for a fixed picture
     std::function<void(const char*)> onStep;  // told which step of the start is done; may be empty
 };
 
@@ -42,6 +43,7 @@ struct FrameContents {
     std::vector<PlacedPicture> pictures;         // over the avatars, below the panels, one after the other
     bool panels = true;                          // draw what ImGui was told
     std::vector<uint8_t>* rgb = nullptr;         // receives the picture, three bytes a pixel; costs a wait
+    bool rgbPanels = true;                       // that has the panels too
 };
 
 class Shell {
@@ -89,7 +91,7 @@ private:
     struct Parts;
     explicit Shell(const ShellInfo& info);
     Status makeParts(const ShellInfo& info);
-    Status readPicture(std::vector<uint8_t>& rgb);
+    Status readPicture(const FrameContents& contents);
 
     std::unique_ptr<Parts> parts_;
     bool fixedPicture_ = false;

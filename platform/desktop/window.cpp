@@ -16,11 +16,12 @@ std::string lastGlfwError() {
 
 }  // namespace
 
-Result<std::unique_ptr<Window>> Window::create(const std::string& title, uint32_t widthPx, uint32_t heightPx) {
+Result<std::unique_ptr<Window>> Window::create(const std::string& title, uint32_t widthPx, uint32_t heightPx, bool growsWithScale) {
     std::unique_ptr<Window> made(new Window);
     const auto failed = [] { return Error{DPL_ERROR_UNSUPPORTED, "cannot open a window: " + lastGlfwError()}; };
     if (!glfwInit()) return failed();
     glfwWindowHint(GLFW_CLIENT_API, GLFW_NO_API);
+    glfwWindowHint(GLFW_SCALE_TO_MONITOR, growsWithScale ? GLFW_TRUE : GLFW_FALSE);
     made->window_ = glfwCreateWindow(int(widthPx), int(heightPx), title.c_str(), nullptr, nullptr);
     if (!made->window_) return failed();
     glfwSetWindowUserPointer(made->window_, made.get());
@@ -84,6 +85,12 @@ VkExtent2D Window::sizePx() const {
     int width = 0, height = 0;
     glfwGetFramebufferSize(window_, &width, &height);
     return {uint32_t(width), uint32_t(height)};
+}
+
+float Window::screenScale() const {
+    float x = 1, y = 1;
+    glfwGetWindowContentScale(window_, &x, &y);
+    return x >= 0.5f && x <= 4 ? x : 1;
 }
 
 std::vector<std::string> Window::takeDropped() {

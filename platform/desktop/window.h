@@ -16,8 +16,9 @@ namespace dpl::platform {
 
 class Window {
 public:
-    /** Opens a window. DPL_ERROR_UNSUPPORTED, with GLFW's reason: there is no display. At most one window at a time. */
-    static Result<std::unique_ptr<Window>> create(const std::string& title, uint32_t widthPx, uint32_t heightPx);
+    /** Opens a window. growsWithScale: on a screen that is scaled, it is as much larger. DPL_ERROR_UNSUPPORTED, with GLFW's reason: there
+     * is no display. At most one window at a time. */
+    static Result<std::unique_ptr<Window>> create(const std::string& title, uint32_t widthPx, uint32_t heightPx, bool growsWithScale);
     ~Window();
     Window(const Window&) = delete;
     Window& operator=(const Window&) = delete;
@@ -32,6 +33,9 @@ public:
     void hide();
     /** Size of its pixels; 0 × 0 while it is minimised. */
     VkExtent2D sizePx() const;
+    /** How many pixels its screen gives to one of a usual screen: 1 for 96 dots per inch, 2 for a screen that is scaled to 200 %. From 0.5
+     * to 4. */
+    float screenScale() const;
 
     /** Files that were dropped on the window since the last call. */
     std::vector<std::string> takeDropped();

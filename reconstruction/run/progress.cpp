@@ -7,15 +7,25 @@
 #include <cmath>
 #include <csignal>
 #include <cstdio>
+#include <cstdlib>
 
 #include "reconstruction/run/run_news.h"
 #include "reconstruction/run/stage_words.h"
+#include "sdk/core/numbers.h"
 #include "sdk/core/result.h"
 
 namespace dpl {
 namespace {
 
 std::atomic<bool> cancelRequested{false};
+
+/** Seconds between two lines of update() where there is no terminal: 10, or what a program that shows them has asked for. */
+double logEveryS() {
+    constexpr double kUsual = 10, kLeast = 0.1;
+    const char* wish = std::getenv("DOPPEL_PROGRESS_SECONDS");
+    double seconds = 0;
+    return wish && readNumber(wish, seconds) && seconds >= kLeast ? seconds : kUsual;
+}
 
 extern "C" void onSignal(int signalNumber) {
     if (cancelRequested.exchange(true)) {
@@ -52,7 +62,8 @@ void Progress::update(double fraction, std::string_view detail) {
     if (style_ == Style::Quiet) return;
     const Clock::time_point now = Clock::now();
     const double sinceDrawn = std::chrono::duration<double>(now - lastDrawn_).count();
-    if (sinceDrawn < (terminal_ ? 0.2 : 10.0)) return;
+    static const double kLogEveryS = logEveryS();
+    if (sinceDrawn < (terminal_ ? 0.2 : kLogEveryS)) return;
     lastDrawn_ = now;
     fraction = std::clamp(fraction, 0.0, 1.0);
     const double elapsed = std::chrono::duration<double>(now - stageStart_).count();

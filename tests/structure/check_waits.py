@@ -33,6 +33,7 @@ ALLOWED = {
     "tests/unit/interop/ways_bench.cpp": "a benchmark: prints times and judges none",
     "tests/unit/wait_until.h": "waitUntil, with which the tests of C++ look for a state that no event tells of",
     "tests/web/referee.cpp": "--time, for docs/benchmarks/web.md: prints times and judges none",
+    "tests/viewer/panels_test.py": "presses until a button shows it; prints how long the clicks took and judges none",
     "tests/viewer/viewer_test.py": "takes pictures of a window until one shows what must come",
 }
 

@@ -4,6 +4,7 @@
 //   viewer_check make OUT.glb                             an avatar with the box that the empty viewer shows
 //   viewer_check compose AVATAR ROOM.png SHOT.png TIME    PSNR, in dB, of SHOT to the avatar drawn by the CPU over ROOM
 //   viewer_check differ A.png B.png                       mean difference of the channels, in levels
+//   viewer_check psnr A.png B.png                         PSNR of the channels, dB; 99 if they are equal
 //   viewer_check colour PICTURE.png X Y                   the pixel, as three numbers
 //
 // compose: pictures without panels of the viewer with one avatar, which plays its first clip at TIME seconds. The PSNR is that of the
@@ -134,6 +135,18 @@ int differ(const char* first, const char* second) {
     return 0;
 }
 
+int psnr(const char* first, const char* second) {
+    const Picture a = read(first), b = read(second);
+    if (a.widthPx != b.widthPx || a.heightPx != b.heightPx) give("the pictures differ in size");
+    double sum = 0;
+    for (size_t i = 0; i < a.pixels.size(); ++i) {
+        const double d = (double(a.pixels[i]) - double(b.pixels[i])) / 255;
+        sum += d * d;
+    }
+    std::printf("%.2f\n", sum > 0 ? std::min(99.0, 10 * std::log10(double(a.pixels.size()) / sum)) : 99.0);
+    return 0;
+}
+
 int colour(const char* path, uint32_t x, uint32_t y) {
     const Picture picture = read(path);
     if (x >= picture.widthPx || y >= picture.heightPx) give("the pixel lies outside the picture");
@@ -149,7 +162,8 @@ int main(int argc, char** argv) {
     if (command == "make" && argc == 3) return make(argv[2]);
     if (command == "compose" && argc == 6) return compose(argv[2], argv[3], argv[4], std::atof(argv[5]));
     if (command == "differ" && argc == 4) return differ(argv[2], argv[3]);
+    if (command == "psnr" && argc == 4) return psnr(argv[2], argv[3]);
     if (command == "colour" && argc == 5) return colour(argv[2], uint32_t(std::atoi(argv[3])), uint32_t(std::atoi(argv[4])));
-    std::fprintf(stderr, "usage: viewer_check make|compose|differ|colour ...; see the source\n");
+    std::fprintf(stderr, "usage: viewer_check make|compose|differ|psnr|colour ...; see the source\n");
     return 2;
 }

@@ -35,8 +35,8 @@ class Display:
 
     def __init__(self):
         read, write = os.pipe()
-        self.process = subprocess.Popen(["Xvfb", "-displayfd", str(write), "-screen", "0", "1000x800x24", "-nolisten", "tcp"], pass_fds=[write],
-                                        stderr=subprocess.DEVNULL)
+        words = ["Xvfb", "-displayfd", str(write), "-screen", "0", "1000x800x24", "-nolisten", "tcp", "-noreset"]
+        self.process = subprocess.Popen(words, pass_fds=[write], stderr=subprocess.DEVNULL)
         os.close(write)
         with os.fdopen(read) as answer:
             number = answer.readline().strip()
@@ -231,7 +231,7 @@ class Test:
         process, window = self.start("--size", "900x700")
         try:
             self.wait("the room of the last time is there", lambda: min(self.figures("colour", self.capture(window, "kept.png"), 450, 100)) > 100)
-            self.xdotool("mousemove", "--window", window, 60, 138, "click", 1)  # the first of what was opened lately
+            self.xdotool("mousemove", "--window", window, 60, 153, "click", 1)  # the first of what was opened lately
             red = lambda: self.figures("colour", self.capture(window, "recent_window.png"), 450, 300)
             self.wait("a click opens what was opened lately", lambda: red()[0] > 150 and red()[1] < 90)
             x11_send.Sender(self.display.name).close(window)
@@ -277,9 +277,10 @@ class Test:
                 return False
         return True
 
-    def start(self, *words):
+    def start(self, *words, preexec=None):
         log = open(self.work / "session.log", "w")
-        process = subprocess.Popen([self.viewer, "--validation", *map(str, words)], cwd=self.work, env=self.environment, stderr=log)
+        process = subprocess.Popen([self.viewer, "--validation", *map(str, words)], cwd=self.work, env=self.environment, stderr=log,
+                                   preexec_fn=preexec)
         window = int(self.xdotool("search", "--sync", "--onlyvisible", "--name", "^Doppel$").split()[0])
         return process, window
 
@@ -342,12 +343,8 @@ class Test:
         expect(process.wait(timeout=PATIENCE_S) == 0 and not log.read_text(), "closing at once is clean " + log.read_text())
 
 
-def main():
-    parser = argparse.ArgumentParser()
-    for name in ("viewer", "check"):
-        parser.add_argument("--" + name, required=True)
-    parser.add_argument("--work", type=pathlib.Path, required=True)
-    arguments = parser.parse_args()
+def prepare(arguments):
+    """Empties the work folder. Ends the test where a program that it needs is missing."""
     for program in ("Xvfb", "xdotool", "import"):
         if not shutil.which(program):
             skip(f"the program {program} is not installed (Debian: xvfb, xdotool, imagemagick)")
@@ -356,6 +353,15 @@ def main():
         if path != cache:  # the self-test of the driver takes seconds
             shutil.rmtree(path) if path.is_dir() else path.unlink()
     cache.mkdir(parents=True, exist_ok=True)
+
+
+def main():
+    parser = argparse.ArgumentParser()
+    for name in ("viewer", "check"):
+        parser.add_argument("--" + name, required=True)
+    parser.add_argument("--work", type=pathlib.Path, required=True)
+    arguments = parser.parse_args()
+    prepare(arguments)
     display = Display()
     try:
         test = Test(arguments, display)

@@ -33,7 +33,7 @@ std::vector<uint8_t> plain(uint32_t width, uint32_t height, uint8_t value) {
 
 TEST_F(RecorderTest, turntableTurnsOnceAndAppearsWhenComplete) {
     const fs::path out = folder_ / "turn";
-    auto turn = Turntable::begin(out, 4, 5, 3, 30);
+    auto turn = Recording::begin(out, 4, 5, 3, 30);
     ASSERT_TRUE(turn) << turn.error().message;
     for (uint32_t i = 0; i < 4; ++i) {
         EXPECT_NEAR(turn->turnRad(), i * std::numbers::pi / 2, 1e-12);
@@ -53,9 +53,9 @@ TEST_F(RecorderTest, turntableTurnsOnceAndAppearsWhenComplete) {
     EXPECT_EQ(entries(), 1u);
 }
 
-TEST_F(RecorderTest, anotherSizeEndsTheTurntableAndLeavesNothing) {
+TEST_F(RecorderTest, anotherSizeEndsTheRecordingAndLeavesNothing) {
     {
-        auto turn = Turntable::begin(folder_ / "turn", 3, 4, 4, 30);
+        auto turn = Recording::begin(folder_ / "turn", 3, 4, 4, 30);
         ASSERT_TRUE(turn);
         ASSERT_TRUE(turn->add(plain(4, 4, 0), 4, 4));
         const Status added = turn->add(plain(6, 4, 0), 6, 4);
@@ -67,7 +67,7 @@ TEST_F(RecorderTest, anotherSizeEndsTheTurntableAndLeavesNothing) {
 
 TEST_F(RecorderTest, existingFoldersAreKept) {
     fs::create_directories(folder_ / "turn");
-    const auto turn = Turntable::begin(folder_ / "turn", 3, 4, 4, 30);
+    const auto turn = Recording::begin(folder_ / "turn", 3, 4, 4, 30);
     ASSERT_FALSE(turn);
     EXPECT_NE(turn.error().message.find("exists already"), std::string::npos);
     EXPECT_TRUE(fs::exists(folder_ / "turn"));

@@ -109,4 +109,15 @@ TEST(RunProgress, saysTimesAsPeopleDo) {
     EXPECT_EQ(wordsOfTime(3 * 86400), "3 days");
 }
 
+TEST(RunProgress, doesNotForetellPartsThatHaveNotBegun) {
+    RunProgress progress;
+    EXPECT_EQ(wordsOfTheRest(progress), "");
+    progress.place = 7, progress.places = 11;
+    EXPECT_EQ(wordsOfTheRest(progress), "4 more parts come after this one; how long they take is not known before.");
+    progress.place = 10;
+    EXPECT_EQ(wordsOfTheRest(progress), "One more part comes after this one; how long it takes is not known before.");
+    progress.place = 11;
+    EXPECT_EQ(wordsOfTheRest(progress), "This is the last part of the run.");
+}
+
 }  // namespace

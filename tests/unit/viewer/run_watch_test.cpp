@@ -61,6 +61,19 @@ TEST(RunWatch, aRunThatStopsBeatingIsSilentAndComesBack) {
     EXPECT_EQ(watch.life(501), Life::Running);
 }
 
+TEST(RunWatch, aRunThatWasStoppedWithoutALastWordIsStopped) {
+    RunWatch watch("out");
+    watch.hear(told(5), 0, 1010);
+    watch.knowStopped();
+    EXPECT_EQ(watch.life(0), Life::Stopped);
+    watch.hear(told(6), 1, 1012);  // what it wrote before it ended
+    EXPECT_EQ(watch.life(1), Life::Stopped);
+    RunLook goesOn = told(1);
+    goesOn.progress.startedUnixS = 1500;
+    watch.hear(goesOn, 2, 1502);
+    EXPECT_EQ(watch.life(2), Life::Running);
+}
+
 TEST(RunWatch, aRunThatDiedLongAgoIsKnownSoon) {
     RunWatch watch("out");
     watch.hear(told(5), 10, 90000);

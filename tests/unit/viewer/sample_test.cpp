@@ -1,34 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "apps/viewer/sample.h"
 
-#include <gtest/gtest.h>
-#include <unistd.h>
-
-#include "sdk/core/files.h"
+#include "tests/unit/viewer/stand_in.h"
 
 namespace {
 
 using namespace dpl;
 namespace fs = std::filesystem;
 
-class SampleTest : public ::testing::Test {
+class SampleTest : public test::FolderTest {
 protected:
-    void SetUp() override {
-        folder_ = fs::temp_directory_path() / ("doppel-sample-" + std::to_string(::getpid()));
-        fs::remove_all(folder_);
-        fs::create_directories(folder_);
-    }
-    void TearDown() override { fs::remove_all(folder_); }
-    /** A program that stands in for doppel: "sample-avatar -o FILE". */
-    fs::path program(const std::string& script) {
-        const fs::path path = folder_ / "doppel";
-        const std::string text = "#!/bin/sh\n" + script + "\n";
-        EXPECT_TRUE(writeFileAtomically(path, std::string_view(text)));
-        fs::permissions(path, fs::perms::owner_all);
-        return path;
-    }
-
-    fs::path folder_;
     std::atomic<bool> cancel_{false};
 };
 

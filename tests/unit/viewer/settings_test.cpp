@@ -49,7 +49,7 @@ TEST(ViewerSettings, comeBackAsTheyWere) {
     ViewerSettings settings;
     settings.remember("/a/\u00e4 \"b\".glb");
     settings.remember("/runs/out");
-    settings.folder = "/a", settings.room = "bright";
+    settings.folder = "/a", settings.exports = "/e", settings.room = "bright";
     EXPECT_TRUE(readSettings(folder / "deep/viewer.json").recent.empty()) << "there is none yet";
     ASSERT_TRUE(writeSettings(folder / "deep/viewer.json", settings));
     EXPECT_EQ(readSettings(folder / "deep/viewer.json"), settings);
