@@ -22,6 +22,7 @@ void addCamerasCommand(CLI::App& app, CommandRun& run);
 void addCheckCommand(CLI::App& app, CommandRun& run);
 void addImportCommand(CLI::App& app, CommandRun& run);
 void addReconstructCommand(CLI::App& app, CommandRun& run);
+void addPresetsCommand(CLI::App& app, CommandRun& run);
 void addEvaluateCommand(CLI::App& app, CommandRun& run);
 void addRenderCommand(CLI::App& app, CommandRun& run);
 void addInspectCommand(CLI::App& app, CommandRun& run);

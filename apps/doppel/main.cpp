@@ -72,6 +72,7 @@ int main(int argc, char** argv) {
     addCheckCommand(app, run);
     addImportCommand(app, run);
     addReconstructCommand(app, run);
+    addPresetsCommand(app, run);
     addEvaluateCommand(app, run);
     addRenderCommand(app, run);
     addInspectCommand(app, run);

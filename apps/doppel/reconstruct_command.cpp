@@ -12,11 +12,15 @@ void addReconstructCommand(CLI::App& app, CommandRun& run) {
     auto options = std::make_shared<ReconstructOptions>();
     CLI::App* command = app.add_subcommand("reconstruct", "Make an avatar from a scan folder");
     addScanOptions(*command, *options, "Output folder: avatar.glb, poses.json, report.html and the stages");
-    const auto choosePreset = [options](const std::string& name) {
-        options->preset = name == "draft" ? Preset::Draft : name == "high" ? Preset::High : Preset::Standard;
+    const auto choosePreset = [options](const std::string& nameOrFile) {
+        auto found = findPreset(nameOrFile);
+        if (!found) throw CLI::ValidationError("--preset", found.error().message);
+        options->preset = std::move(*found);
     };
-    command->add_option_function<std::string>("--preset", choosePreset, "Quality against time: draft takes minutes")
-        ->check(CLI::IsMember({"draft", "standard", "high"}))
+    command
+        ->add_option_function<std::string>("--preset", choosePreset,
+                                           "Quality against time: draft takes minutes. Or a file with your own numbers (doppel presets)")
+        ->type_name("TEXT:{draft,standard,high}|FILE.json")
         ->default_str("standard");
     command
         ->add_option("--time-budget", options->timeBudgetMinutes,
@@ -49,6 +53,7 @@ void addReconstructCommand(CLI::App& app, CommandRun& run) {
         "Examples:\n"
         "  doppel reconstruct scan -o ada\n"
         "  doppel reconstruct scan -o ada --preset draft\n"
+        "  doppel presets high -o mine.json && doppel reconstruct scan -o ada --preset mine.json      (your own numbers)\n"
         "  doppel reconstruct polycam-export -o ada            (imported into ada/scan first; see doppel import --help)\n"
         "  doppel reconstruct orbit -o him     (pictures and cameras only: the networks of tools/models find the rest)\n"
         "Ctrl-C or a kill loses at most one checkpoint interval; the same command continues. doppel-viewer ada shows how far it is.");

@@ -2,8 +2,8 @@
 #include "apps/shared/checks.h"
 
 #include <algorithm>
-#include <numeric>
 
+#include "sdk/core/edit_distance.h"
 #include "sdk/core/numbers.h"
 #include "sdk/core/result.h"
 
@@ -11,21 +11,6 @@ namespace dpl {
 namespace {
 
 constexpr uint32_t kMaxSidePx = 8192;
-
-/** Levenshtein distance: the fewest letters inserted, removed or replaced that turn one word into the other. */
-size_t editDistance(std::string_view a, std::string_view b) {
-    std::vector<size_t> row(b.size() + 1);
-    std::iota(row.begin(), row.end(), size_t(0));
-    for (size_t i = 0; i < a.size(); ++i) {
-        size_t diagonal = row[0]++;
-        for (size_t j = 0; j < b.size(); ++j) {
-            const size_t replaced = diagonal + (a[i] != b[j]);
-            diagonal = row[j + 1];
-            row[j + 1] = std::min({replaced, row[j] + 1, row[j + 1] + 1});
-        }
-    }
-    return row.back();
-}
 
 std::vector<const CLI::App*> commandsOf(const CLI::App& app) {
     return app.get_subcommands([](const CLI::App*) { return true; });
@@ -108,14 +93,10 @@ std::string unknownCommand(const CLI::App& app, int argc, const char* const* arg
             at = *found;
             continue;
         }
-        std::string names;
-        for (const CLI::App* c : commands) names += (names.empty() ? "" : ", ") + c->get_name();
-        const CLI::App* nearest = *std::min_element(commands.begin(), commands.end(), [&](const CLI::App* a, const CLI::App* b) {
-            return editDistance(word, a->get_name()) < editDistance(word, b->get_name());
-        });
-        const bool alike = editDistance(word, nearest->get_name()) <= 2;
-        return formatText("unknown command '{}'{}; the commands are {}", word,
-                          alike ? formatText(" (did you mean '{}'?)", nearest->get_name()) : "", names);
+        std::vector<std::string> names;
+        std::string all;
+        for (const CLI::App* c : commands) names.push_back(c->get_name()), all += (all.empty() ? "" : ", ") + c->get_name();
+        return formatText("unknown command '{}'{}; the commands are {}", word, didYouMean(word, names), all);
     }
     return {};
 }

@@ -21,30 +21,13 @@ RunSettings settingsOf(const ReconstructOptions& options, std::span<const ScanLa
     RunSettings s;
     if (!labels.empty()) nameLabels(labels, s.training.init);
     s.training.seed = options.seed;
-    switch (options.preset) {
-        case Preset::Draft:
-            s.training.steps = 3000;
-            s.training.init.splatCount = 40000;
-            s.training.maxSplats = 50000;
-            s.polishSteps = 200;
-            s.poseFit.iterations = 40;
-            break;
-        case Preset::Standard:
-            s.training.steps = 10000;
-            s.training.init.splatCount = 60000;
-            s.training.maxSplats = 80000;
-            s.polishSteps = 600;
-            s.poseFit.iterations = 80;
-            break;
-        case Preset::High:
-            s.training.steps = 60000;
-            s.training.init.splatCount = 120000;
-            s.training.maxSplats = 300000;
-            s.training.init.shDegree = 2;
-            s.polishSteps = 2000;
-            s.poseFit.iterations = 120;
-            break;
-    }
+    const Preset& preset = options.preset;
+    s.training.steps = preset.steps;
+    s.training.init.splatCount = preset.startSplats;
+    s.training.maxSplats = preset.maxSplats;
+    s.training.init.shDegree = preset.shDegree;
+    s.polishSteps = preset.polishSteps;
+    s.poseFit.iterations = preset.poseFitRounds;
     if (options.steps > 0)
         s = withTrainingSteps(s, options.steps);
     else

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The numbers behind the presets draft, standard and high.
+// The settings of a run, from its preset and options.
 #pragma once
 
 #include <span>

@@ -12,13 +12,12 @@
 #include <vector>
 
 #include "reconstruction/input/import/video_capture.h"
+#include "reconstruction/run/presets.h"
 #include "reconstruction/run/progress.h"
 #include "reconstruction/run/stage.h"
 #include "sdk/core/result.h"
 
 namespace dpl {
-
-enum class Preset : uint8_t { Draft, Standard, High };
 
 /** Parts of the method that a run can leave out, to measure what they bring. */
 struct WithoutParts {
@@ -38,7 +37,7 @@ struct ReconstructOptions {
     std::filesystem::path models;      // ONNX networks for keypoints, labels and masks; empty: those that tools/models installed
     std::vector<std::string> persons;  // where the person is, "FRAME:X,Y" (parsePersonPoint()); empty: chosen by size and place
     double heightM = 0;                // of the subject; sets the scale where cameras are not in metres. 0: unknown
-    Preset preset = Preset::Standard;
+    Preset preset = *findPreset("standard");
     double timeBudgetMinutes = 0;  // of training; 0: the preset's number of steps
     uint32_t steps = 0;            // of training; 0: the preset's number; above 0: the time budget is ignored
     uint64_t seed = 1;

@@ -99,14 +99,18 @@ int main(int argc, char** argv) {
     using namespace dpl;
     CLI::App app("Reconstructs a sample scan with its true shape and poses in place of the body fit (measuring only)");
     ReconstructOptions options;
-    const std::map<std::string, Preset> presets = {{"draft", Preset::Draft}, {"standard", Preset::Standard}, {"high", Preset::High}};
     app.add_option("scan", options.scan, "Scan folder made by `doppel sample`")->required();
     app.add_option("out", options.out, "Output folder")->required();
-    app.add_option("--preset", options.preset, "draft, standard, high")->transform(CLI::CheckedTransformer(presets, CLI::ignore_case));
+    std::string preset = options.preset.name;
+    app.add_option("--preset", preset, "draft, standard, high, or a file")->check([](const std::string& name) {
+        const auto found = findPreset(name);
+        return found ? std::string() : found.error().message;
+    });
     app.add_option("--steps", options.steps, "Training steps instead of the preset's");
     app.add_option("--seed", options.seed, "Seed of every random choice");
     app.add_option("--threads", options.threadCount, "CPU threads; 0: one for each core");
     CLI11_PARSE(app, argc, argv);
+    options.preset = *findPreset(preset);
     installSignalHandlers();
     Progress progress;
     const auto result = reconstructWithTruth(options, progress);

@@ -38,6 +38,13 @@ refuses "scan is the input ./scan itself" cameras blind --truth ./scan -o scan
 for out in views.png views.mp4; do refuses "$out: with --scan the output is a folder" render a.glb --scan scan -o $out; done
 [ ! -e views.png ] && [ ! -e views.mp4 ] || failed "a refused render made its output"
 
+echo '{"step": 100}' >mine.json
+refuses "mine.json: a preset has no 'step' \(did you mean 'steps'\?\)" reconstruct scan -o out --preset mine.json
+refuses "there is no preset and no file 'hihg'" reconstruct scan -o out --preset hihg
+refuses "--out requires preset" presets -o mine.json
+refuses "mine.json is the input mine.json itself" presets mine.json -o mine.json
+[ ! -e out ] || failed "a refused run made its output"
+
 touch a.png
 refuses "-o: a.png is there already" render a.glb
 refuses "-o: --scan draws many pictures; name a folder" render a.glb --scan scan

@@ -73,7 +73,7 @@ void expectEveryFieldIn(const Settings& settings, Key&& keyOf) {
 
 ReconstructOptions draft(uint32_t steps = 0, double budgetMinutes = 0) {
     ReconstructOptions options;
-    options.preset = Preset::Draft, options.steps = steps, options.timeBudgetMinutes = budgetMinutes;
+    options.preset = *findPreset("draft"), options.steps = steps, options.timeBudgetMinutes = budgetMinutes;
     return options;
 }
 
