@@ -245,6 +245,7 @@ TEST(ShaderPack, workgroupsAreThoseThatTheSharedLimitsName) {
     for (const char* name : {"project", "colour.general"})
         for (uint32_t degree = 0; degree <= 3; ++degree)
             for (const char* views : {"", ".stereo"}) want[formatText("{}.sh{}{}", name, degree, views)] = gpu::kSplatGroup;
+    for (uint32_t degree = 0; degree <= 3; ++degree) want[formatText("write.sh{}", degree)] = gpu::kSplatGroup;
     for (const Shader& shader : embedded().shaders) {
         if (shader.stage != ShaderStage::Compute) continue;
         const std::string name = plainName(shader);

@@ -2,7 +2,10 @@
 // GpuRenderer on the null backend: the steps of a frame, the objects that it creates, and what it refuses.
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "sdk/backend/null/null_backend.h"
+#include "sdk/backend/shader_pack.h"
 #include "sdk/math/coverage.h"
 #include "sdk/render/avatar_upload.h"
 #include "sdk/render/gpu_renderer.h"
