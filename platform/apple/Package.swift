@@ -19,12 +19,14 @@ let package = Package(
     products: [
         .library(name: "Doppel", targets: ["Doppel"]),
         .library(name: "DoppelUI", targets: ["DoppelUI"]),
+        .library(name: "DoppelRealityKit", targets: ["DoppelRealityKit"]),  // apart: it needs Xcode 27
     ],
     targets: [
         library,
         .target(
             name: "Doppel", dependencies: ["CDoppel"], resources: [.copy("PrivacyInfo.xcprivacy")], linkerSettings: linkerSettings),
         .target(name: "DoppelUI", dependencies: ["Doppel"]),
+        .target(name: "DoppelRealityKit", dependencies: ["Doppel", "DoppelUI"]),
         .testTarget(name: "DoppelTests", dependencies: ["Doppel", "DoppelUI"]),
     ],
     swiftLanguageModes: [.v6]

@@ -4,6 +4,7 @@
 
 #include "sdk/api/app_frame.h"
 #include "sdk/api/create_renderer.h"
+#include "sdk/api/write_on_gpu.h"
 #include "sdk/backend/metal/mtl_backend.h"
 
 namespace dpl::api {
@@ -208,6 +209,26 @@ extern "C" DplResult dplMetalUpload(DplContext context, void* commands, uint32_t
     return withSide("dplMetalUpload", context, [&](mtl::MetalBackend& backend, const Context& locked) -> Status {
         if (!commands) return fail(Code::InvalidArgument, "commands is NULL");
         return encodeUploads(locked, backend, slot, {commands});
+    });
+}
+
+extern "C" DplResult dplMetalWriteSplats(DplAvatar avatar, void* commands, uint32_t slot, const DplSplatOptions* options,
+                                         const DplMetalBuffer* buffer, DplWritten* written) {
+    return guarded("dplMetalWriteSplats", [&]() -> Status {
+        DPL_TRY(const SplatRequest request, requestOf(options));
+        DPL_TRY(const auto found, avatarOf(avatar));
+        DPL_RETURN_IF_ERROR(checkPosable(*found));
+        std::lock_guard lock(found->context->mutex);
+        DPL_TRY(MetalSide * side, sideOf(*found->context));
+        const AppSide app{side->renderer, side->backend};
+        if (buffer == nullptr) return countSplats(app, *found, request, written);
+        if (!commands) return fail(Code::InvalidArgument, "commands is NULL");
+        DPL_TRY(const DplMetalBuffer given, readStruct<DplMetalBuffer>(buffer, "buffer"));
+        if (!given.buffer) return fail(Code::InvalidArgument, "buffer of the buffer is NULL");
+        const auto lend = [&](FrameId, BufferId rows, uint64_t offset, uint64_t) {
+            return side->backend.lend(rows, {given.buffer}, offset);
+        };
+        return writeSplatsOnGpu(app, *found, request, {given.elements, given.elementCount, given.bytes}, {slot, {commands}, lend}, written);
     });
 }
 

@@ -3,48 +3,14 @@
 #include "sdk/api/posed.h"
 
 #include <algorithm>
-#include <cmath>
 
 #include "sdk/api/buffer_layout.h"
 #include "sdk/api/scene.h"
+#include "sdk/api/splat_request.h"
 #include "sdk/api/surface.h"
-#include "sdk/draw/check_draw.h"
 
 namespace dpl::api {
 namespace {
-
-static_assert(DPL_SPLAT_POSITION == int(SplatNumbers::Position) && DPL_SPLAT_ROTATION == int(SplatNumbers::Rotation) &&
-              DPL_SPLAT_SCALE == int(SplatNumbers::Scale) && DPL_SPLAT_COVARIANCE == int(SplatNumbers::Covariance) &&
-              DPL_SPLAT_OPACITY == int(SplatNumbers::Opacity) && DPL_SPLAT_COLOUR == int(SplatNumbers::Colour) &&
-              DPL_SPLAT_SH == int(SplatNumbers::Sh));
-
-struct SplatRequest {
-    uint32_t budget = 0, shDegree = 0;
-    std::optional<Vec3f> eye;
-};
-
-Result<SplatRequest> requestOf(const DplSplatOptions* options) {
-    SplatRequest request;
-    if (options == nullptr) return request;
-    DPL_TRY(const DplSplatOptions given, readStruct<DplSplatOptions>(options, "options"));
-    if (given.shDegree > kMaxShDegree)
-        return fail(Code::InvalidArgument, "SH of degree {}; 0 to {} are possible", given.shDegree, kMaxShDegree);
-    request.budget = given.splatBudget, request.shDegree = given.shDegree;
-    if (given.eye == nullptr) return request;
-    for (int axis = 0; axis < 3; ++axis)
-        if (!(std::abs(given.eye[axis]) <= kMaxDistanceM))
-            return fail(Code::InvalidArgument, "the eye is at ({}, {}, {}); up to {} m from the origin is possible", given.eye[0],
-                        given.eye[1], given.eye[2], kMaxDistanceM);
-    request.eye = Vec3f(given.eye[0], given.eye[1], given.eye[2]);
-    return request;
-}
-
-std::array<BufferProperty, 7> splatProperties(uint32_t shDegree) {
-    std::array<BufferProperty, 7> out = {
-        {{"position", 0}, {"rotation", 0}, {"scale", 0}, {"covariance", 0}, {"opacity", 0}, {"colour", 0}, {"SH", 0}}};
-    for (size_t p = 0; p < out.size(); ++p) out[p].numbers = numbersOf(SplatNumbers(p), shDegree);
-    return out;
-}
 
 /** Made by the first call. */
 PosedOutput& outputOf(Avatar& avatar) {
@@ -56,13 +22,9 @@ PosedOutput& outputOf(Avatar& avatar) {
 /** The splats that a budget keeps; how many. */
 uint32_t choose(PosedOutput& output, const Avatar& avatar, const CodedSplats& splats, uint32_t budget) {
     if (output.chosenFor == budget) return output.chosen;
-    SplatDetail detail;
-    if (budget > 0 && budget < splats.count()) {
-        if (!output.detail) output.detail.emplace(*avatar.data, splats);
-        detail.perM2 = std::nextafter(float(output.detail->densityWithin(budget)), 0.0f);
-        detail.shShare = output.detail->shShare(detail.perM2);
-    }
-    output.chosen = output.writer.choose(splats, detail);
+    const bool thins = budget > 0 && budget < splats.count();
+    if (thins && !output.detail) output.detail.emplace(*avatar.data, splats);
+    output.chosen = output.writer.choose(splats, thins ? output.detail->detailWithin(budget) : SplatDetail());
     output.chosenFor = budget;
     return output.chosen;
 }

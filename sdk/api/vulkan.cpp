@@ -6,6 +6,7 @@
 
 #include "sdk/api/app_frame.h"
 #include "sdk/api/create_renderer.h"
+#include "sdk/api/write_on_gpu.h"
 #include "sdk/backend/vulkan/vk_backend.h"
 
 namespace dpl::api {
@@ -310,6 +311,26 @@ extern "C" DplResult dplVulkanUpload(DplContext context, VkCommandBuffer command
     return withSide("dplVulkanUpload", context, [&](vk::VulkanBackend& backend, const Context& locked) -> Status {
         if (!commands) return fail(Code::InvalidArgument, "commands is NULL");
         return encodeUploads(locked, backend, slot, {commands});
+    });
+}
+
+extern "C" DplResult dplVulkanWriteSplats(DplAvatar avatar, VkCommandBuffer commands, uint32_t slot, const DplSplatOptions* options,
+                                          const DplVulkanBuffer* buffer, DplWritten* written) {
+    return guarded("dplVulkanWriteSplats", [&]() -> Status {
+        DPL_TRY(const SplatRequest request, requestOf(options));
+        DPL_TRY(const auto found, avatarOf(avatar));
+        DPL_RETURN_IF_ERROR(checkPosable(*found));
+        std::lock_guard lock(found->context->mutex);
+        DPL_TRY(VulkanSide * side, sideOf(*found->context));
+        const AppSide app{side->renderer, side->backend};
+        if (buffer == nullptr) return countSplats(app, *found, request, written);
+        if (!commands) return fail(Code::InvalidArgument, "commands is NULL");
+        DPL_TRY(const DplVulkanBuffer given, readStruct<DplVulkanBuffer>(buffer, "buffer"));
+        if (!given.buffer) return fail(Code::InvalidArgument, "buffer of the buffer is NULL");
+        const auto lend = [&](FrameId frame, BufferId rows, uint64_t offset, uint64_t bytes) {
+            return side->backend.lend(frame, rows, given.buffer, offset, bytes);
+        };
+        return writeSplatsOnGpu(app, *found, request, {given.elements, given.elementCount, given.bytes}, {slot, {commands}, lend}, written);
     });
 }
 

@@ -53,6 +53,9 @@ public:
     virtual Status takeSlot(uint32_t slot) = 0;
     /** The commands with the slot's earlier frames have run, or will never run. InvalidArgument: no such slot. */
     virtual Status dropSlot(uint32_t slot) = 0;
+    /** For commands that join those that a frame of the app has begun with the slot: a number that is another one after each takeSlot() and
+     *  dropSlot(). InvalidArgument: no such slot, or nothing was encoded with it since. */
+    virtual Result<uint64_t> joinSlot(uint32_t slot) const = 0;
     /** Encodes queued copies, at most kCopiedBytesAFrame of them. To be called between takeSlot() and encode(). endsSlot: nothing is
      *  encoded after it with this slot. */
     virtual Status encodeCopies(uint32_t slot, AppCommands commands, bool endsSlot) = 0;

@@ -60,6 +60,7 @@ enum class BufferMemory : uint8_t {
     Device,    // filled by write() or queueCopy() at load, then by the GPU
     Upload,    // mapped; the CPU writes it before submit()
     Readback,  // mapped; the CPU reads it once the frame has finished
+    Lent,      // none: stands for a buffer of an app, which it lends before each encode() (vulkan/vk_backend.h, metal/mtl_backend.h)
 };
 struct BufferDesc {
     std::string label;

@@ -83,9 +83,17 @@ Status SlottedBackend::dropSlot(uint32_t slot) {
     return {};
 }
 
+Result<uint64_t> SlottedBackend::joinSlot(uint32_t slot) const {
+    DPL_RETURN_IF_ERROR(checkSlot(slot));
+    if (slots_[slot].awaited == 0)
+        return fail(Code::InvalidArgument, "slot {} was not begun; {} first, with the same slot", slot, words_.begin);
+    return slots_[slot].freed;
+}
+
 void SlottedBackend::freeSlot(uint32_t slot, bool ran) {
     ran ? copies_.slotHasRun(slot) : copies_.slotIsDropped(slot);
     slots_[slot].awaited = 0;
+    ++slots_[slot].freed;
     slots_[slot].viewCount = 0;  // until setLayers(): if the new frame fails, nothing of the slot can be composed
     slotIsFree(slot, ran);
 }

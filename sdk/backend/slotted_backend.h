@@ -57,6 +57,7 @@ class SlottedBackend : public AppBackend, protected ResourceView {
 public:
     Status takeSlot(uint32_t slot) final;
     Status dropSlot(uint32_t slot) final;
+    Result<uint64_t> joinSlot(uint32_t slot) const final;
     Status encodeCopies(uint32_t slot, AppCommands commands, bool endsSlot) final;
     Result<uint64_t> queueCopy(BufferId from, uint64_t fromOffset, BufferId to, uint64_t toOffset, uint64_t bytes) final;
     Result<bool> hasRun(uint64_t copy) final;
@@ -72,8 +73,9 @@ public:
 protected:
     /** What errors say. */
     struct Words {
-        std::string_view wait;  // how an app waits for a slot, or drops it
-        std::string_view pass;  // struct of the public interface that describes a pass
+        std::string_view wait;   // how an app waits for a slot, or drops it
+        std::string_view begin;  // how a frame begins a slot
+        std::string_view pass;   // struct of the public interface that describes a pass
     };
     explicit SlottedBackend(const Words& words) : words_(words) {}
 
@@ -125,6 +127,7 @@ private:
 
     struct Slot {
         uint64_t lastEncoded = 0;                    // number of its last frame; 0: none
+        uint64_t freed = 0;                          // times that it was taken or dropped
         uint64_t awaited = 0;                        // its last mark, which takeSlot() has not seen; 0: none
         uint32_t viewCount = 0;                      // of its pictures; 0: setLayers() has said nothing yet
         uint32_t depths = 0;                         // depthsWritten() of takeSlot()

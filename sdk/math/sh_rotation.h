@@ -67,6 +67,10 @@ public:
         return out;
     }
 
+    /** What turn() is made of, for the shader that does the same: direction i of a band, and P⁻¹. */
+    const Vec3d& direction(uint32_t band, uint32_t i) const { return directions_[band][i]; }
+    double inverse(uint32_t band, uint32_t row, uint32_t column) const { return inverse_[band][row][column]; }
+
 private:
     using Square = std::array<std::array<double, 7>, 7>;
 

@@ -30,7 +30,8 @@ GpuRenderer::GpuRenderer(std::unique_ptr<Backend> backend, std::string name, Fil
       fill_(fill),
       store_(*backend_),
       reader_(*backend_),
-      cache_(*backend_, store_, [this](const RecordedFrame& frame) { reader_.forget(frame); }) {}
+      cache_(*backend_, store_, [this](const RecordedFrame& frame) { reader_.forget(frame); }),
+      writer_(*backend_, store_) {}
 
 Result<std::unique_ptr<PreparedSubject>> GpuRenderer::prepareAvatar(std::shared_ptr<const AvatarData> avatar, CodedSplats splats) const {
     return store_.prepareAvatar(std::move(avatar), std::move(splats));
@@ -71,6 +72,7 @@ Status GpuRenderer::prepareFrames(RenderAvatarId id) {
 
 void GpuRenderer::removeAvatar(RenderAvatarId id) {
     cache_.remove(id);
+    writer_.remove(id);
     store_.remove(id);
     lastDraws_.erase(id);
 }

@@ -21,6 +21,7 @@
 #include "sdk/render/frame_cache.h"
 #include "sdk/render/frame_reader.h"
 #include "sdk/render/posed_subject.h"
+#include "sdk/render/splat_writer.h"
 
 namespace dpl {
 
@@ -66,6 +67,9 @@ public:
      *  neither submits nor waits; a new scene set or shape is recorded first, which allocates. */
     Result<std::span<const EncodedView>> encodeTogether(std::span<const Drawn> what, std::span<const Cameraf> views,
                                                         const FrameWants& wants, const AppFrame& app);
+    /** Splats in an app's buffer (splat_writer.h): how many, and into the app's commands. */
+    Result<uint32_t> writtenRows(RenderAvatarId avatar, uint32_t budget) { return writer_.rows(avatar, budget); }
+    Status encodeWrite(const SplatWrite& write, const AppWrite& app) { return writer_.encode(write, app); }
     Result<std::span<const PixelView>> read(RenderAvatarId avatar) override;
     FrameTiming timing(RenderAvatarId avatar) override;
     Result<FrameStats> stats(RenderAvatarId avatar) override;
@@ -100,13 +104,15 @@ private:
     void fillSlot(FrameSlot& slot, const SceneSet& set, const DrawCall& call, const PosedSet& posed, const FrameShape& shape);
     void writeScene(const FrameSlot& slot, const DrawCall& call, const FrameShape& shape);
 
-    // The order matters: members are destroyed from last to first. The cache uses the store, and tells the reader which frames it frees.
+    // The order matters: members are destroyed from last to first. The cache and the writer use the store, and the cache tells the reader
+    // which frames it frees.
     std::unique_ptr<Backend> backend_;
     std::string name_;
     Fill fill_;
     AvatarStore store_;
     FrameReader reader_;
     FrameCache cache_;
+    SplatWriter writer_;
     SubjectPoser poser_;
     std::map<RenderAvatarId, LastDraw> lastDraws_;
     uint64_t frameNumber_ = 0, waits_ = 0;

@@ -4,7 +4,6 @@
 #include "sdk/avatar/pose_correctives.h"
 
 namespace dpl {
-namespace {
 
 void poseAvatar(const LoadedSubject& subject, const Pose& pose, DrawnSubject& out) {
     const AvatarData& avatar = *subject.avatar;
@@ -18,8 +17,6 @@ void poseAvatar(const LoadedSubject& subject, const Pose& pose, DrawnSubject& ou
     correctiveNodes(avatar.correctives, out.coefficients, out.nodes);
     out.pushedM = subject.clearance.push(out.worldFromRest, out.nodes, out.pushes);
 }
-
-}  // namespace
 
 PosedSet SubjectPoser::pose(std::span<const Drawn> what, std::span<LoadedSubject* const> subjects, const FrameViews& views,
                             const DetailOptions& detail, bool cullComponents) {

@@ -30,6 +30,9 @@ struct DrawnSubject {
         unseen{};  // for each frame of the draw: bits of the components that its views cannot show, and of hidden layers
 };
 
+/** The parts of `out` that depend on the pose of an avatar alone: worldFromRest, coefficients, nodes, pushedM. Keeps its memory. */
+void poseAvatar(const LoadedSubject& subject, const Pose& pose, DrawnSubject& out);
+
 /** Distributes the views of a draw call over frames: all views in one frame, or one frame for each view. */
 struct FrameViews {
     std::span<const Cameraf> all;

@@ -36,39 +36,21 @@ PosedTriangle::PosedTriangle(const TriangleFrame<float>& frame) : frame_(frame) 
 }
 
 SplatEllipse PosedTriangle::ellipse(const Formulas<float>::PlaneAxes& a) const {
-    const float x1 = a.a10 * f00_ + a.a11 * f01_, y1 = a.a10 * f10_ + a.a11 * f11_;
-    const float x2 = a.a20 * f00_ + a.a21 * f01_, y2 = a.a20 * f10_ + a.a21 * f11_;
-    return {x1 * x1 + x2 * x2, x1 * y1 + x2 * y2, y1 * y1 + y2 * y2, (f00_ * f11_ - f01_ * f10_) * (a.a10 * a.a21 - a.a11 * a.a20)};
+    return EllipseFormulas<float>::planeEllipse(a, f00_, f01_, f10_, f11_);
 }
 
 GaussianAxes PosedTriangle::axes(const SplatEllipse& e) const {
-    // The larger eigenvalue is a sum; the smaller one follows from the determinant, so that needles do not cancel.
-    const float mean = 0.5f * (e.xx + e.yy), half = 0.5f * (e.xx - e.yy), radius = std::sqrt(half * half + e.xy * e.xy);
-    const float major = std::sqrt(mean + radius);
-    GaussianAxes out{Quatf(glm::quat_cast(Mat3f(t1_, t2_, normal_))), Vec3f(kFlatThicknessM)};
-    if (!(major > 0)) return out;
-    out.scaleM = {major, std::abs(e.det) / major, kFlatThicknessM};
-    if (!(radius > 0)) return out;
-    // From the cosine and sine of 2θ those of θ, which lies within ±90°, and of θ/2, without a difference of near numbers.
-    const float cosine2 = half / radius, sine2 = e.xy / radius;
-    float cosine, sine;
-    if (cosine2 >= 0) {
-        cosine = std::sqrt(0.5f * (1 + cosine2)), sine = 0.5f * sine2 / cosine;
-    } else {
-        const float s = std::sqrt(0.5f * (1 - cosine2));
-        cosine = 0.5f * std::abs(sine2) / s, sine = std::copysign(s, sine2);
-    }
-    const float halfCosine = std::sqrt(0.5f * (1 + cosine));
-    out.rotation = out.rotation * Quatf(halfCosine, 0, 0, 0.5f * sine / halfCosine);
-    return out;
+    const auto a = EllipseFormulas<float>::ellipseAxes(e);
+    const float thin = EllipseFormulas<float>::flatThicknessM();
+    return {Quatf(glm::quat_cast(Mat3f(t1_, t2_, normal_))) * Quatf(a.halfCosine, 0, 0, a.halfSine),
+            Vec3f(a.major > 0 ? Vec2f(a.major, a.minor) : Vec2f(thin), thin)};
 }
 
 void PosedTriangle::covariance(const SplatEllipse& e, float* six) const {
     const Vec3f &x = t1_, &y = t2_, &n = normal_;
-    constexpr float kAcross = kFlatThicknessM * kFlatThicknessM;
+    const float thin = EllipseFormulas<float>::flatThicknessM();
     for (int i = 0; i < 3; ++i)
-        for (int k = i; k < 3; ++k)
-            *six++ = e.xx * x[i] * x[k] + e.xy * (x[i] * y[k] + y[i] * x[k]) + e.yy * y[i] * y[k] + kAcross * n[i] * n[k];
+        for (int k = i; k < 3; ++k) *six++ = EllipseFormulas<float>::ellipseCovariance(e, thin * thin, x[i], y[i], n[i], x[k], y[k], n[k]);
 }
 
 float PosedTriangle::shown(const Vec3f& centre, bool singleFace, const std::optional<Vec3f>& eye) const {
@@ -79,23 +61,14 @@ float PosedTriangle::shown(const Vec3f& centre, bool singleFace, const std::opti
 
 void foldLight(float light, uint32_t shDegree, float* sh) {
     for (uint32_t k = 0; k < 3 * shCoefficientCount(shDegree); ++k)
-        sh[k] = light * sh[k] + (k < 3 ? (light - 1) * 0.5f / float(kShC0) : 0.0f);
+        sh[k] = k < 3 ? EllipseFormulas<float>::litCoefficient0(sh[k], light) : light * sh[k];
 }
 
 uint32_t PosedSplatWriter::choose(const CodedSplats& splats, const SplatDetail& detail) {
     detail_ = detail;
     kept_.clear();
     if (detail.full()) return splats.count();
-    for (size_t g = 0; g < splats.groups.size(); ++g) {
-        const SplatChunk& c = splats.chunks[g / 2];
-        const uint32_t first = uint32_t(g % 2) * kSplatGroupSize, count = std::min(first + kSplatGroupSize, c.splatCount);
-        const float share = keptShare(detail.perM2, splats.groups[g].areaM2),
-                    growth = detailGrowth(share, splats.groups[g].gain, splats.groups[g].enough);
-        float weight[kSplatGroupSize] = {};
-        for (uint32_t rank = 0, drawn = drawnRanks(share); rank < drawn; ++rank) weight[placeOfRank(rank)] = detailWeight(share, rank);
-        for (uint32_t i = first; i < count; ++i)
-            if (weight[i - first] > 0) kept_.push_back({c.firstSplat + i, weight[i - first], growth});
-    }
+    keepSplats(splats.chunks, splats.groups, detail, kept_);
     return uint32_t(kept_.size());
 }
 
@@ -139,11 +112,14 @@ uint64_t PosedSplatWriter::write(const CodedSplats& splats, std::span<const Tria
                             std::memcpy(numbers, &centre, sizeof centre);
                             break;
                         case SplatNumbers::Rotation:
+                        case SplatNumbers::RotationWxyz:
                         case SplatNumbers::Scale: {
                             if (!axes) axes = triangle.axes(ellipse);
                             const Quatf& q = axes->rotation;
                             if (column.what == SplatNumbers::Rotation)
                                 numbers[0] = q.x, numbers[1] = q.y, numbers[2] = q.z, numbers[3] = q.w;
+                            else if (column.what == SplatNumbers::RotationWxyz)
+                                numbers[0] = q.w, numbers[1] = q.x, numbers[2] = q.y, numbers[3] = q.z;
                             else
                                 std::memcpy(numbers, &axes->scaleM, sizeof axes->scaleM);
                             break;

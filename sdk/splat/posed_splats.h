@@ -13,18 +13,15 @@
 #include "sdk/format/coded_splats.h"
 #include "sdk/math/binding.h"
 #include "sdk/math/detail.h"
+#include "sdk/math/ellipse.h"
 #include "sdk/math/placement.h"
 #include "sdk/math/sh_rotation.h"
 #include "sdk/math/strided_numbers.h"
+#include "sdk/visibility/kept_splats.h"
 
 namespace dpl {
 
-constexpr float kFlatThicknessM = 1e-4f;  // standard deviation across the surface: files hold its logarithm, which 0 has none of
-
-/** The ellipse of a splat in the plane of its triangle: A·Aᵀ = [xx xy; xy yy], and det A. */
-struct SplatEllipse {
-    float xx = 0, xy = 0, yy = 0, det = 0;
-};
+using SplatEllipse = EllipseFormulas<float>::PlaneEllipse;
 
 /** Axes of a general splat: R·diag(s), with the long axis first and the normal last. */
 struct GaussianAxes {
@@ -54,14 +51,14 @@ private:
     float f00_ = 0, f01_ = 0, f10_ = 0, f11_ = 0;        // F from the plane at rest to (t1, t2)
 };
 
-/** Folds the light L of a splat into plain SH: 0.5 + C₀·dc' + … = L·(0.5 + C₀·dc + …), so dc' = L·dc + 0.5·(L − 1)/C₀. */
+/** Folds the light of a splat into plain SH (EllipseFormulas::litCoefficient0). */
 void foldLight(float light, uint32_t shDegree, float* sh);
 
-enum class SplatNumbers : uint8_t { Position, Rotation, Scale, Covariance, Opacity, Colour, Sh };
+enum class SplatNumbers : uint8_t { Position, Rotation, Scale, Covariance, Opacity, Colour, Sh, RotationWxyz };
 
 /** Numbers of a splat. shDegree: of Sh. */
 constexpr uint32_t numbersOf(SplatNumbers what, uint32_t shDegree) {
-    constexpr uint32_t kCounts[] = {3, 4, 3, 6, 1, 3};
+    constexpr uint32_t kCounts[] = {3, 4, 3, 6, 1, 3, 0, 4};
     return what == SplatNumbers::Sh ? 3 * shCoefficientCount(shDegree) : kCounts[size_t(what)];
 }
 
@@ -84,12 +81,8 @@ public:
                    std::span<const SplatColumn> columns, const std::optional<Vec3f>& eye, uint32_t shDegree, Jobs& jobs) const;
 
 private:
-    struct Kept {
-        uint32_t splat;
-        float weight, growth;  // as of ChosenSplat
-    };
     SplatDetail detail_;
-    std::vector<Kept> kept_;  // empty where all are written
+    std::vector<KeptSplat> kept_;  // empty where all are written
     ShRotator rotator_;
 };
 

@@ -108,6 +108,14 @@ double DetailSubject::densityWithin(uint32_t splats) const {
     return bend.slope > 0 ? bend.perM2 + (splats - bend.drawn) / bend.slope : bend.perM2;
 }
 
+SplatDetail DetailSubject::detailWithin(uint32_t splats) const {
+    SplatDetail detail;
+    if (splats == 0 || splats >= splatCount_) return detail;
+    detail.perM2 = std::nextafter(float(densityWithin(splats)), 0.0f);
+    detail.shShare = shShare(detail.perM2);
+    return detail;
+}
+
 float DetailSubject::largestGrowth(float perM2) const {
     return !(smallestAreaM2_ < INFINITY) ? 1.0f : detailGrowth(keptShare(perM2, smallestAreaM2_), largestGain_, 1.0f);
 }

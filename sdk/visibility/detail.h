@@ -51,6 +51,8 @@ public:
     double drawnAtMost(double perM2) const;
     /** The largest density at which no more than this many splats are drawn; that of one splat a group if even these are more. */
     double densityWithin(uint32_t splats) const;
+    /** The level of detail that draws no more than this many splats; that of one splat a group if even these are more. 0: all splats. */
+    SplatDetail detailWithin(uint32_t splats) const;
     uint32_t splatCount() const { return splatCount_; }
     float drawnShare(const SplatDetail& detail) const {
         return splatCount_ == 0 ? 1.0f : float(drawnAtMost(double(detail.perM2)) / splatCount_);

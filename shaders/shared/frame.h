@@ -9,6 +9,7 @@
 //   visibility and survivors, uints: live groups, visible splats and their sort depths (lib/visibility.glsl)
 //   sort depth ─compact► SortPair ─sort► sorted splats, nearest first ─draw► pixels
 //                                                           └─tiles► TileSpan by row of tiles ► entries by tile ─fill► pixels
+//   TriangleFrame ─write► rows of an app's buffer
 //   GeneralSplatRecord ─project.general► ProjectedSplat + sort depth ─...  (general splats: no pose, no triangles)
 #ifndef DPL_SHARED_FRAME_H
 #define DPL_SHARED_FRAME_H
@@ -156,6 +157,34 @@ struct ProjectedSplat {
 };
 DPL_CONST uint kProjectedFours = 2u;
 DPL_SHARED_SIZE(ProjectedSplat, 16 * kProjectedFours)
+
+// Splats in an app's buffer, in the app's layout.
+struct WriteData {          // the uniform block of the kernel. The CPU writes it before each use
+    vec4 worldFromOwnRow0;  // rows of [scale R | t] of the placement
+    vec4 worldFromOwnRow1;
+    vec4 worldFromOwnRow2;
+    float eyeX, eyeY, eyeZ;  // world
+    uint hasEye;             // 0: no gate, and the colour is that of SH band 0
+    float scale;             // of the placement
+    float shShare;           // weight of the SH bands above 0; at 0 their coefficients are not read
+    uint shDegree;           // of what is written
+    uint rows;               // splats that are written
+    uint thinned;            // 1: those of the list of KeptRecord; 0: all
+    uint elementCount;
+    uint pad0, pad1;
+    uvec4 elements[16];     // kWrittenElements: property, word of the first row, words from row to row, 1: halves
+    vec4 shDirections[15];  // kShTurnDirections
+    vec4 shInverse[21];     // kShTurnRows
+};
+DPL_SHARED_SIZE(WriteData, 928)
+
+struct KeptRecord {  // constant: a splat that a level of detail keeps
+    uint splat;
+    uint chunkWord;  // offset of the record of its chunk
+    float weight;    // factor of the opacity
+    float growth;    // factor of the standard deviations
+};
+DPL_SHARED_SIZE(KeptRecord, 16)
 
 struct SortPair {  // one for each survivor
     uint key;      // of its depth

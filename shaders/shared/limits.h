@@ -63,6 +63,19 @@ DPL_CONST uint kParentFree = 0x40000000u;   // in an entry of the table of paren
 DPL_CONST uint kParentGated = 0x80000000u;  // the same for single-face splats
 DPL_CONST uint kParentMask = 0x3FFFFFFFu;   // number of the triangle
 
+// Splats in an app's buffer. Properties: DplSplatProperty of doppel_posed.h; sdk/api/write_on_gpu.cpp asserts that they agree.
+DPL_CONST uint kWrittenElements = 16u;   // most in one buffer
+DPL_CONST uint kShTurnDirections = 15u;  // 2l + 1 for each band l
+DPL_CONST uint kShTurnRows = 21u;        // vec4s with the 9 + 25 + 49 numbers of P⁻¹ (sdk/math/sh_rotation.h)
+DPL_CONST uint kWritePosition = 0u;
+DPL_CONST uint kWriteRotation = 1u;
+DPL_CONST uint kWriteScale = 2u;
+DPL_CONST uint kWriteCovariance = 3u;
+DPL_CONST uint kWriteOpacity = 4u;
+DPL_CONST uint kWriteColour = 5u;
+DPL_CONST uint kWriteSh = 6u;
+DPL_CONST uint kWriteRotationWxyz = 7u;
+
 DPL_CONST float kGpuMinLight = 0.2;
 DPL_CONST float kGpuMaxLight = 3.0;
 

@@ -281,6 +281,8 @@ static void callVulkan(DplContext context, DplAvatar avatar) {
     DplVulkanPass pass = {0};
     DplVulkanTarget target = {0};
     DplVulkanSubmission how = {0};
+    DplVulkanBuffer rows = {0};
+    DplWritten written = {sizeof written, 0, 0};
     DplCamera camera = {sizeof camera, kWidth, kHeight, 30, 30, kWidth / 2.0f, kHeight / 2.0f, {1, 0, 0, 0, 0, -1, 0, 1, 0, 0, -1, 3},
                         NULL,          0};
     DplContext none = NULL;
@@ -296,6 +298,7 @@ static void callVulkan(DplContext context, DplAvatar avatar) {
     CHECK(dplDestroyVulkanComposer(context, 0) != DPL_OK);
     CHECK(dplVulkanPrepare(context, NULL, 0, &avatar, 1, &camera, 1, NULL) == DPL_ERROR_INVALID_ARGUMENT);
     CHECK(dplVulkanUpload(context, NULL, 0) == DPL_ERROR_INVALID_ARGUMENT);
+    CHECK(dplVulkanWriteSplats(avatar, NULL, 0, NULL, &rows, &written) == DPL_ERROR_INVALID_ARGUMENT && written.count == 0);
     CHECK(dplVulkanDropSlot(context, DPL_VULKAN_SLOTS) == DPL_ERROR_INVALID_ARGUMENT);
     CHECK(dplVulkanCompose(context, 0, NULL, 0, 0, 0, 0) != DPL_OK);
     CHECK(dplVulkanComposeDepth(context, 0, NULL, 0, 0, 0, 0, 1, -1) != DPL_OK);

@@ -67,6 +67,7 @@ int main(void) {
               offsetof(DplFrameStats, residentBytes) == 40);
         CHECK(sizeof(DplPassTime) == 24 && offsetof(DplPassTime, milliseconds) == 16);
 #ifdef WITH_VULKAN
+        CHECK(sizeof(DplVulkanBuffer) == 32 && offsetof(DplVulkanBuffer, buffer) == 16 && offsetof(DplVulkanBuffer, bytes) == 24);
         CHECK(sizeof(DplVulkanDevice) == 88 && offsetof(DplVulkanDevice, enabledFeatures) == 48);
         CHECK(sizeof(DplVulkanPass) == 40 && offsetof(DplVulkanPass, colourFormat) == 28);
         CHECK(sizeof(DplVulkanRequirement) == 32 && offsetof(DplVulkanRequirement, buys) == 24);

@@ -45,8 +45,13 @@ TEST_F(MetalFromC, everyFunctionIsCalledAndDraws) {
     app.prepared = prepared_.object, app.uploaded = uploaded_.object, app.submitted = submitted.object;
     app.colourFormat = uint32_t(kColourFormat), app.depthFormat = uint32_t(kDepthFormat);
     app.beginPass = beginPass, app.finish = finish, app.program = this;
+    BufferRef rows = app_->newBuffer(1 << 20, StorageMode::Shared, "rows");
+    app.rows = rows.object, app.rowsBytes = 1 << 20;
     app.avatar = file.data(), app.avatarBytes = file.size(), app.view = camera();
     const char* failed = callMetalFromC(&app);
+    const auto* position = reinterpret_cast<const float*>(app_->contents(rows));
+    EXPECT_TRUE(std::abs(position[0]) < 1 && position[1] != 0) << "a splat of the tube";
+    app_->release(rows);
     ASSERT_EQ(failed, nullptr) << failed << ": " << dplGetLastError();
     const std::vector<uint8_t> want = over(pictureOf(camera()), TargetFormat::Rgba8);
     EXPECT_LT(reference::psnrDb(TargetFormat::Rgba8, background(TargetFormat::Rgba8), want), 30) << "nothing is drawn";

@@ -23,6 +23,8 @@ static const char* layouts(void) {
           offsetof(DplMetalSubmission, waitEvent) == 32 && offsetof(DplMetalSubmission, signalEvent) == 40 &&
           offsetof(DplMetalSubmission, waitValue) == 48 && offsetof(DplMetalSubmission, signalValue) == 56 &&
           offsetof(DplMetalSubmission, drawable) == 64);
+    CHECK(sizeof(DplMetalBuffer) == 32 && offsetof(DplMetalBuffer, elements) == 8 && offsetof(DplMetalBuffer, buffer) == 16 &&
+          offsetof(DplMetalBuffer, bytes) == 24);
     return NULL;
 }
 
@@ -31,6 +33,9 @@ const char* callMetalFromC(const struct FromC* app) {
     DplMetalDevice mine = {sizeof mine, 0, app->device, app->queue};
     DplMetalPass pass = {sizeof pass, app->colourFormat, app->depthFormat, 0, 1, 0, DPL_DRAW_DEPTH};
     DplMetalPass plain = {sizeof plain, app->colourFormat, 0, 0, 1, 0, 0};
+    DplBufferElement position = {sizeof position, DPL_SPLAT_POSITION, DPL_NUMBER_FLOAT, 0, 0, 0};
+    DplMetalBuffer rows = {sizeof rows, 1, &position, app->rows, app->rowsBytes};
+    DplWritten written = {sizeof written, 0, 0};
     DplMetalSubmission how;
     DplContextInfo info;
     DplContext context = NULL;
@@ -50,6 +55,7 @@ const char* callMetalFromC(const struct FromC* app) {
     CHECK(dplMetalCompose(context, withDepth, encoder, 0, 0, 0, 0) == DPL_OK);
     CHECK(dplMetalComposeDepth(context, withDepth, encoder, 0, 0, 0, 0, 0, nearM) == DPL_OK);
     CHECK(dplMetalUpload(context, app->uploaded, 1) == DPL_OK);
+    CHECK(dplMetalWriteSplats(avatar, app->uploaded, 1, NULL, &rows, &written) == DPL_OK && written.count > 0);
     app->finish(app->program);
     memset(&how, 0, sizeof how);
     how.structSize = sizeof how, how.textureCount = 1, how.textures[0] = app->submitted;

@@ -20,6 +20,8 @@ struct FromC {
     void* program;
     const uint8_t* avatar; /* a file */
     size_t avatarBytes;
+    void* rows; /* a buffer for the positions of its splats */
+    size_t rowsBytes;
     DplCamera view;
 };
 

@@ -67,6 +67,7 @@ THIRD_PARTY = {  # heavy libraries stay in their rooms
 SWIFT = {
     "platform/apple/Sources/Doppel": ({"CDoppel"}, {"Foundation"}),
     "platform/apple/Sources/DoppelUI": ({"CDoppel", "Doppel"}, None),
+    "platform/apple/Sources/DoppelRealityKit": ({"Doppel", "DoppelUI"}, None),
     "apps/ios": ({"Doppel", "DoppelUI"}, None),
     "apps/visionos": ({"Doppel", "DoppelUI"}, None),
 }

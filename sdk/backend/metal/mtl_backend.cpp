@@ -32,8 +32,8 @@ DeviceInfo infoOf(const Seam& seam) {
 }  // namespace
 
 MetalBackend::MetalBackend(std::unique_ptr<Seam> seam, ShaderPack pack, bool lent)
-    : SlottedBackend(
-          {"wait for the completion handler of that command buffer before, or call dplMetalDropSlot if it will never run", "DplMetalPass"}),
+    : SlottedBackend({"wait for the completion handler of that command buffer before, or call dplMetalDropSlot if it will never run",
+                      "call dplMetalPrepare, or dplMetalUpload in a frame without pictures,", "DplMetalPass"}),
       seam_(std::move(seam)),
       pack_(std::move(pack)),
       info_(infoOf(*seam_)),

@@ -19,7 +19,9 @@ constexpr uint32_t kPushIndex = 29;                              // of push cons
 
 struct Buffer {
     BufferDesc desc;
-    BufferRef buffer;
+    BufferRef buffer;         // none: Lent
+    BufferRef lent;           // of a Lent buffer: the app's, not retained; used by the encode() that follows lend()
+    uint64_t lentOffset = 0;  // bytes
     std::byte* mapped = nullptr;
     bool written = false;
     uint64_t born = 0;  // frames that were encoded before it was created
@@ -115,6 +117,11 @@ public:
     Status checkScene(uint32_t view, const SceneTexture& from) const;
     /** To be called before encode() of the frame. Allocates and waits for nothing. */
     Status readScene(const SceneRead& read, const SceneTexture& from);
+
+    // mtl_slots.cpp
+    /** Binds an app's buffer from `offset` on in place of a Lent buffer. To be called before encode() of a frame that uses it. Allocates
+     * and waits for nothing. */
+    Status lend(BufferId lent, BufferRef buffer, uint64_t offset);
 
     // mtl_submit.cpp
     /** A new command buffer for a slot that was taken. viewCount: of the frame to encode. */

@@ -66,8 +66,10 @@ Status MetalBackend::Recorder::play(const ComputeStep& step) {
     const Size threads{pipeline.shader->workgroup[0], pipeline.shader->workgroup[1], pipeline.shader->workgroup[2]};
     seam_.pushLabel(encoder, label_);
     seam_.setPipeline(encoder, pipeline.compute);
-    for (uint32_t i = 0; i < step.bindings.size(); ++i)
-        seam_.setBuffer(encoder, backend_.buffers_.at(step.bindings[i].buffer.value).buffer, 0, i);
+    for (uint32_t i = 0; i < step.bindings.size(); ++i) {
+        const Buffer& buffer = backend_.buffers_.at(step.bindings[i].buffer.value);
+        seam_.setBuffer(encoder, buffer.lent ? buffer.lent : buffer.buffer, buffer.lentOffset, i);
+    }
     if (step.push.size) seam_.setBytes(encoder, step.push.bytes.data(), step.push.size, kPushIndex);
     if (step.indirect.buffer)
         seam_.dispatchIndirect(encoder, backend_.buffers_.at(step.indirect.buffer.value).buffer, step.indirect.offset, threads);

@@ -24,7 +24,9 @@ Result<BufferId> MetalBackend::createBuffer(const BufferDesc& desc) {
     if (desc.bytes == 0) return fail(Code::InvalidArgument, "buffer {} has no bytes", desc.label);
     Buffer b;
     b.desc = desc;
-    DPL_RETURN_IF_ERROR(makeBuffer(b));
+    if (desc.memory != BufferMemory::Lent) {
+        DPL_RETURN_IF_ERROR(makeBuffer(b));
+    }
     b.born = encoded();
     const BufferId id{newId()};
     buffers_.emplace(id.value, std::move(b));
@@ -139,7 +141,8 @@ void MetalBackend::destroyTarget(TargetId id) {
 /** Without what was destroyed and waits for the commands that need it. */
 uint64_t MetalBackend::residentBytes() const {
     uint64_t bytes = 0;
-    for (const auto& [id, b] : buffers_) bytes += seam_->allocatedBytes(b.buffer);
+    for (const auto& [id, b] : buffers_)
+        if (b.buffer) bytes += seam_->allocatedBytes(b.buffer);
     for (const auto& [id, t] : targets_)
         for (const TextureRef texture : {t.colour, t.depth, t.colourSamples, t.depthSamples})
             if (texture) bytes += seam_->allocatedBytes(texture);

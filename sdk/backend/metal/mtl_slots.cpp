@@ -17,6 +17,14 @@ Status MetalBackend::encode(FrameId id, uint32_t slot, AppCommands commands) {
     return {};
 }
 
+Status MetalBackend::lend(BufferId id, BufferRef buffer, uint64_t offset) {
+    const auto it = buffers_.find(id.value);
+    if (it == buffers_.end() || it->second.desc.memory != BufferMemory::Lent)
+        return fail(Code::InvalidArgument, "the lent buffer does not exist");
+    it->second.lent = buffer, it->second.lentOffset = offset;
+    return {};
+}
+
 void MetalBackend::writeMark(uint32_t slot, uint64_t mark, AppCommands given) {
     const CommandsRef commands{given.handle};
     seam_->encodeSignal(commands, marks_, mark);

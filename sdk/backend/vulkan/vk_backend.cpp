@@ -7,8 +7,8 @@
 namespace dpl::vk {
 
 VulkanBackend::VulkanBackend(std::unique_ptr<Device> device, ShaderPack pack)
-    : SlottedBackend(
-          {"wait for the fence of that frame before, or call dplVulkanDropSlot if the commands will never run", "DplVulkanPass"}),
+    : SlottedBackend({"wait for the fence of that frame before, or call dplVulkanDropSlot if the commands will never run",
+                      "call dplVulkanPrepare, or dplVulkanUpload in a frame without pictures,", "DplVulkanPass"}),
       device_(std::move(device)),
       vk_(device_->vk),
       pack_(std::move(pack)) {}

@@ -177,6 +177,11 @@ public:
     /** To be called before encode() of the frame. Allocates and waits for nothing. */
     Status readScene(const SceneRead& read, const SceneImage& image);
 
+    // vk_slots.cpp
+    /** Binds bytes of an app's buffer in place of a Lent buffer, in an encoded frame whose last run has finished. To be called before
+     *  encode() of the frame. offset: a multiple of 256. Allocates and waits for nothing. */
+    Status lend(FrameId frame, BufferId lent, VkBuffer buffer, uint64_t offset, uint64_t bytes);
+
     // vk_submit.cpp: draws with submissions of our own on the app's device.
     /** Makes the pass, framebuffers and composer of a target. Unsupported: as createComposer(). */
     Result<AppTargetId> createAppTarget(const AppTargetDesc& desc);

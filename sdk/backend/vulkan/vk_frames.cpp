@@ -189,22 +189,23 @@ Result<VkDescriptorSet> VulkanBackend::descriptorSet(const Frame& frame, const P
     DPL_VK(vk_.vkAllocateDescriptorSets(device_->device, &allocation, &set));
     std::vector<VkDescriptorBufferInfo> infos(bindings.size());
     std::vector<VkBufferView> views(bindings.size());
-    std::vector<VkWriteDescriptorSet> writes(bindings.size());
+    std::vector<VkWriteDescriptorSet> writes;
     for (size_t i = 0; i < bindings.size(); ++i) {
         Buffer& b = buffers_.at(bindings[i].buffer.value);
         const size_t own = pipeline.shader->bindings.size();
         const ShaderBinding& want = i < own ? pipeline.shader->bindings[i] : pipeline.fragment->bindings[i - own];
+        if (b.desc.memory == BufferMemory::Lent) continue;  // lend() binds it
         infos[i] = {b.buffer, 0, b.desc.bytes};
-        writes[i] = {VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET};
-        writes[i].dstSet = set;
-        writes[i].dstBinding = uint32_t(i);
-        writes[i].descriptorCount = 1;
-        writes[i].descriptorType = descriptorType(want);
-        writes[i].pBufferInfo = &infos[i];
+        VkWriteDescriptorSet& write = writes.emplace_back(VkWriteDescriptorSet{VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET});
+        write.dstSet = set;
+        write.dstBinding = uint32_t(i);
+        write.descriptorCount = 1;
+        write.descriptorType = descriptorType(want);
+        write.pBufferInfo = &infos[i];
         if (want.texelWords) {
             DPL_TRY(views[i], texels(b, want.texelWords));
         }
-        writes[i].pTexelBufferView = &views[i];
+        write.pTexelBufferView = &views[i];
     }
     vk_.vkUpdateDescriptorSets(device_->device, uint32_t(writes.size()), writes.data(), 0, nullptr);
     return set;

@@ -61,7 +61,7 @@ Result<BufferId> VulkanBackend::createBuffer(const BufferDesc& desc) {
     if (desc.bytes == 0) return fail(Code::InvalidArgument, "buffer {} has no bytes", desc.label);
     Buffer b;
     b.desc = desc;
-    if (auto status = makeBuffer(b); !status) {
+    if (auto status = desc.memory == BufferMemory::Lent ? Status() : makeBuffer(b); !status) {
         freeBuffer(b);
         return status.error();
     }

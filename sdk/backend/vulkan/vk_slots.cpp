@@ -22,6 +22,26 @@ void VulkanBackend::slotIsFree(uint32_t slot, bool ran) {
     }
 }
 
+Status VulkanBackend::lend(FrameId id, BufferId lent, VkBuffer buffer, uint64_t offset, uint64_t bytes) {
+    const auto it = frames_.find(id.value);
+    if (it == frames_.end() || it->second.run != FrameRun::Encoded) return fail(Code::InvalidArgument, "the encoded frame does not exist");
+    for (const RecordedStep& step : it->second.steps) {
+        const auto* compute = std::get_if<ComputeStep>(&step.step);
+        for (size_t i = 0; compute && i < compute->bindings.size(); ++i) {
+            if (!(compute->bindings[i].buffer == lent)) continue;
+            const VkDescriptorBufferInfo info{buffer, offset, bytes};
+            VkWriteDescriptorSet write{VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET};
+            write.dstSet = step.descriptors;
+            write.dstBinding = uint32_t(i);
+            write.descriptorCount = 1;
+            write.descriptorType = VK_DESCRIPTOR_TYPE_STORAGE_BUFFER;
+            write.pBufferInfo = &info;
+            vk_.vkUpdateDescriptorSets(device_->device, 1, &write, 0, nullptr);
+        }
+    }
+    return {};
+}
+
 void VulkanBackend::retire(Retirable object, uint64_t born) {
     retired_.retire(std::move(object), born, encoded(), [&](Retirable& unneeded) { free(unneeded); });
 }

@@ -153,6 +153,43 @@ DPL_API DplResult dplMetalPrepare(DplContext context, DPL_METAL_OBJECT(MTLComman
  *  commands and slot: as there. */
 DPL_API DplResult dplMetalUpload(DplContext context, DPL_METAL_OBJECT(MTLCommandBuffer) commands, uint32_t slot);
 
+/** A buffer of the program's for posed splats, and its layout. Experimental. */
+typedef struct DplMetalBuffer {
+    uint32_t structSize;
+    uint32_t elementCount; /**< 1 to DPL_MAX_BUFFER_ELEMENTS */
+    const DplBufferElement* elements;
+    DPL_METAL_MEMBER(MTLBuffer) buffer; /**< of the device */
+    uint64_t bytes;                     /**< of the buffer, from its start; offsets of elements count from there */
+} DplMetalBuffer;
+
+/** Encodes what dplWriteSplats does into the program's command buffer: the splats of the current pose go into the program's buffer, in its
+ *  layout. Properties, options, number and order of splats are as there (doppel_posed.h), and for the same avatar and splatBudget the same
+ *  on the CPU. Works whether or not the frame draws the avatar: the commands pose its mesh anew, because the one that prepare has posed
+ *  lacks what its views do not see. So each write costs the pose of the mesh as well; write several properties in one call.
+ *  commands, slot: as dplMetalPrepare, without an open encoder, after dplMetalPrepare, dplMetalUpload or dplMetalSubmit of this frame with
+ *  the same slot; in the same command buffer or in one that is committed later to the same queue. At most 16 writes of an avatar in a
+ *  frame.
+ *  buffer: NULL only counts; commands and slot are then not read. The buffer must live until the commands have run.
+ *
+ *  What differs from dplWriteSplats, because a GPU stores whole words of four bytes:
+ *  - offsetBytes and strideBytes, also the stride that 0 stands for, must be multiples of 4. So a property of halves begins a word; with
+ *    an odd number of halves, the other half of its last word stays as it is, and must lie in the buffer.
+ *  - Numbers too large for a half become 65504, but DplWritten::saturated is 0: only a wait for the GPU could tell.
+ *  - Where the opacity is 0, other numbers are finite but may differ from those of the CPU.
+ *  - All elements together lie within what the device binds at once.
+ *
+ *  Barriers. One compute encoder writes the buffer. Metal orders it with other uses if the buffer is tracked, as those of
+ *  newBufferWithLength: are by default. Uses of an untracked buffer, or one of an untracked heap, need an event or a fence of the
+ *  program's before and after. The CPU reads a shared buffer once the command buffer has completed.
+ *
+ *  Allocates where an avatar is written for the first time in a slot, or once more often in a frame than before, with another splatBudget;
+ *  do it while loading. Neither commits nor waits.
+ *  DPL_ERROR_INVALID_ARGUMENT: as dplWriteSplats; also an offset or a stride that is no multiple of 4, a slot that was not begun, NULL
+ *  commands or MTLBuffer, a context that is not on the program's device. Nothing is then encoded. DPL_ERROR_UNSUPPORTED: elements too far
+ *  apart for one binding. */
+DPL_EXPERIMENTAL DplResult dplMetalWriteSplats(DplAvatar avatar, DPL_METAL_OBJECT(MTLCommandBuffer) commands, uint32_t slot,
+                                               const DplSplatOptions* options, const DplMetalBuffer* buffer, DplWritten* written);
+
 /** Says that the commands encoded with the slot have run or will never run, for example because their command buffer was not committed.
  *  Needed before the next prepare with the slot only if they never ran. DPL_ERROR_INVALID_ARGUMENT: no such slot. */
 DPL_API DplResult dplMetalDropSlot(DplContext context, uint32_t slot);

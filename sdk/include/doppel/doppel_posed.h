@@ -71,6 +71,7 @@ typedef enum DplSplatProperty {
      *  the first coefficient, then of the second and so on. Order and signs are those of 3D Gaussian splatting files:
      *  colour = 0.5 + Σ basis·coefficient, clamped to 0 and 1, for the unit direction from the eye to the splat. */
     DPL_SPLAT_SH = 6,
+    DPL_SPLAT_ROTATION_WXYZ = 7, /**< 4: as DPL_SPLAT_ROTATION, w first */
     DPL_SPLAT_FORCE_INT32 = 0x7fffffff
 } DplSplatProperty;
 
@@ -94,7 +95,8 @@ typedef struct DplSplatOptions {
  *  DPL_ERROR_INVALID_ARGUMENT: an unknown property or number, a stride smaller than the property, elements that overlap or share a
  *  range at different strides, a buffer that is too short, an eye that is not finite, general splats. Nothing is then written, and the
  *  text says what is wrong.
- *  DPL_ERROR_UNSUPPORTED: the context draws on a GPU, which keeps the splats. */
+ *  DPL_ERROR_UNSUPPORTED: the context draws on a GPU, which keeps the splats. dplVulkanWriteSplats and dplMetalWriteSplats write them into
+ *  buffers of a GPU that the program lends. */
 DPL_EXPERIMENTAL DplResult dplWriteSplats(DplAvatar avatar, const DplSplatOptions* options, const DplBuffer* buffer, DplWritten* written);
 
 /* ---------------------------------------------------------------- mesh */

@@ -155,6 +155,45 @@ DPL_API DplResult dplVulkanPrepare(DplContext context, VkCommandBuffer commands,
  *  commands and slot: as there. */
 DPL_API DplResult dplVulkanUpload(DplContext context, VkCommandBuffer commands, uint32_t slot);
 
+/** A buffer of the program's for posed splats, and its layout. Experimental. */
+typedef struct DplVulkanBuffer {
+    uint32_t structSize;
+    uint32_t elementCount; /**< 1 to DPL_MAX_BUFFER_ELEMENTS */
+    const DplBufferElement* elements;
+    VkBuffer buffer; /**< usage STORAGE_BUFFER, of the device; exclusive to its queue family, or concurrent */
+    uint64_t bytes;  /**< of the buffer, from its start; offsets of elements count from there */
+} DplVulkanBuffer;
+
+/** Records what dplWriteSplats does into the program's command buffer: the splats of the current pose go into the program's buffer, in its
+ *  layout. Properties, options, number and order of splats are as there (doppel_posed.h), and for the same avatar and splatBudget the same
+ *  on the CPU. Works whether or not the frame draws the avatar: the commands pose its mesh anew, because the one that prepare has posed
+ *  lacks what its views do not see. So each write costs the pose of the mesh as well; write several properties in one call.
+ *  commands, slot: as dplVulkanPrepare, after dplVulkanPrepare, dplVulkanUpload or dplVulkanSubmit of this frame with the same slot; in
+ *  the same command buffer or in one that is submitted later. At most 16 writes of an avatar in a frame.
+ *  buffer: NULL only counts; commands and slot are then not read.
+ *
+ *  What differs from dplWriteSplats, because a GPU stores whole words of four bytes:
+ *  - offsetBytes and strideBytes, also the stride that 0 stands for, must be multiples of 4. So a property of halves begins a word; with
+ *    an odd number of halves, the other half of its last word stays as it is, and must lie in the buffer.
+ *  - Numbers too large for a half become 65504, but DplWritten::saturated is 0: only a wait for the GPU could tell.
+ *  - Where the opacity is 0, other numbers are finite but may differ from those of the CPU.
+ *  - All elements together lie within what the device binds at once, maxStorageBufferRange.
+ *
+ *  Barriers. The commands begin behind all earlier work of the queue in the stages COMPUTE_SHADER, VERTEX_SHADER, FRAGMENT_SHADER,
+ *  DRAW_INDIRECT and TRANSFER: such reads and writes of the buffer need no barrier of the program's. They end with a barrier from
+ *  COMPUTE_SHADER, SHADER_WRITE to the same stages, SHADER_READ, SHADER_WRITE, TRANSFER_READ and TRANSFER_WRITE. Other uses need one of
+ *  the program's: VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT, VK_ACCESS_SHADER_WRITE_BIT to, for example, VERTEX_INPUT and
+ *  VERTEX_ATTRIBUTE_READ, ACCELERATION_STRUCTURE_BUILD or HOST and HOST_READ; and before the next write, from the stage that read to
+ *  COMPUTE_SHADER.
+ *
+ *  Allocates where an avatar is written for the first time in a slot, or once more often in a frame than before, with another splatBudget;
+ *  do it while loading. Neither submits nor waits.
+ *  DPL_ERROR_INVALID_ARGUMENT: as dplWriteSplats; also an offset or a stride that is no multiple of 4, a slot that was not begun, NULL
+ *  commands or VkBuffer, a context that is not on the program's device. Nothing is then recorded. DPL_ERROR_UNSUPPORTED: elements too far
+ *  apart for one binding. */
+DPL_EXPERIMENTAL DplResult dplVulkanWriteSplats(DplAvatar avatar, VkCommandBuffer commands, uint32_t slot, const DplSplatOptions* options,
+                                                const DplVulkanBuffer* buffer, DplWritten* written);
+
 /** Says that the commands recorded with the slot have run or will never run, for example because their command buffer was reset. Needed
  *  before the next prepare with the slot only if they never ran. DPL_ERROR_INVALID_ARGUMENT: no such slot. */
 DPL_API DplResult dplVulkanDropSlot(DplContext context, uint32_t slot);

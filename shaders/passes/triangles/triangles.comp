@@ -10,6 +10,7 @@
 #include "shaders/lib/footprint.glsl"
 #include "sdk/math/formulas/pose.inl"
 #include "shaders/lib/cull.glsl"
+#include "shaders/lib/quaternion.glsl"
 #include "shaders/lib/views.glsl"
 layout(local_size_x = 128) in;  // kVertexGroup
 
@@ -45,16 +46,6 @@ TriangleRecord triangleAt(uint triangle, uvec4 corners) {
                           componentOf(corners), uintBitsToFloat(splats.x), uintBitsToFloat(splats.y), splats.z, splats.w);
 }
 
-/** Unit quaternion (x, y, z, w) of a rotation. */
-vec4 quaternionOf(mat3 m) {
-    vec4 q;
-    if (m[0][0] + m[1][1] + m[2][2] > 0.0) q = vec4(m[1][2] - m[2][1], m[2][0] - m[0][2], m[0][1] - m[1][0], 1.0 + m[0][0] + m[1][1] + m[2][2]);
-    else if (m[0][0] > m[1][1] && m[0][0] > m[2][2]) q = vec4(1.0 + m[0][0] - m[1][1] - m[2][2], m[0][1] + m[1][0], m[2][0] + m[0][2], m[1][2] - m[2][1]);
-    else if (m[1][1] > m[2][2]) q = vec4(m[0][1] + m[1][0], 1.0 + m[1][1] - m[0][0] - m[2][2], m[1][2] + m[2][1], m[2][0] - m[0][2]);
-    else q = vec4(m[2][0] + m[0][2], m[1][2] + m[2][1], 1.0 + m[2][2] - m[0][0] - m[1][1], m[0][1] - m[1][0]);
-    return q * inversesqrt(dot(q, q));
-}
-
 void main() {
     uint lane = gl_LocalInvocationIndex, index = gl_WorkGroupID.x * kVertexGroup + lane;
     if (lane < 2u) groupTriangles[lane] = groupSplats[lane] = 0u;
@@ -73,7 +64,7 @@ void main() {
                 mat3 restFrame = mat3(vec3(rest.restT1X, rest.restT1Y, rest.restT1Z), vec3(rest.restT2X, rest.restT2Y, rest.restT2Z),
                                       vec3(rest.restNormalX, rest.restNormalY, rest.restNormalZ));
                 mat3 worldFromRest = mat3(now.turned1, now.turned2, now.normal) * transpose(restFrame);
-                vec4 turn = quaternionOf(worldFromRest);
+                vec4 turn = dplQuaternionOf(worldFromRest);
                 // the last factor absorbs float rounding
                 float reach = rest.reach * frame.largestGrowth * largestStretch(plane.f0, plane.f1) * 1.0001;
                 uint shown = 0u;

@@ -16,7 +16,7 @@ namespace {
 
 using doppel::bufferElement, doppel::SplatOptions;
 
-constexpr uint32_t kNumbers[] = {3, 4, 3, 6, 1, 3};
+constexpr uint32_t kNumbers[] = {3, 4, 3, 6, 1, 3, 0, 4};
 
 class PosedTest : public ApiTest {
 protected:
@@ -89,6 +89,13 @@ TEST_F(PosedTest, covarianceIsThatOfRotationAndScale) {
                 ASSERT_NEAR(double(covariance[6 * i + size_t(k)]), sum[column][row], 2e-6 * largest)
                     << i;  // floats, relative to the largest
     }
+}
+
+TEST_F(PosedTest, rotationsWithWFirstAreTheSame) {
+    const auto last = property(tube_, DPL_SPLAT_ROTATION), first = property(tube_, DPL_SPLAT_ROTATION_WXYZ);
+    ASSERT_EQ(last.size(), first.size());
+    for (size_t i = 0; i < last.size(); i += 4)
+        for (size_t k = 0; k < 4; ++k) ASSERT_EQ(first[i + (k + 1) % 4], last[i + k]);
 }
 
 TEST_F(PosedTest, anInterleavedBufferHoldsTheSameNumbersAndKeepsItsGaps) {
@@ -215,7 +222,7 @@ TEST_F(PosedTest, numbersTooLargeForAHalfSaturateAndAreCounted) {
 
 TEST_F(PosedTest, wrongLayoutsAreRefusedAndNothingIsWritten) {
     const uint64_t count = property(tube_, DPL_SPLAT_OPACITY).size();
-    expectRefused("element 1 is of property 7", {bufferElement(DPL_SPLAT_POSITION, 0), bufferElement(7, 1 << 19)});
+    expectRefused("element 1 is of property 8", {bufferElement(DPL_SPLAT_POSITION, 0), bufferElement(8, 1 << 19)});
     DplBufferElement odd = bufferElement(DPL_SPLAT_POSITION, 0);
     odd.number = DplNumber(2);
     expectRefused("is of number 2", {odd});

@@ -74,6 +74,12 @@ TEST(ShaderPack, structsHaveTheSameOffsetsInCppAndInTheBuiltShaders) {
         "ProjectedSplat", sizeof(ProjectedSplat),
         {DPL_AT(ProjectedSplat, centrePx), DPL_AT(ProjectedSplat, conicA), DPL_AT(ProjectedSplat, conicB), DPL_AT(ProjectedSplat, conicC),
          DPL_AT(ProjectedSplat, opacityAndRadius), DPL_AT(ProjectedSplat, colour), DPL_AT(ProjectedSplat, depthM)});
+    expectLayout("WriteData", sizeof(WriteData),
+                 {DPL_AT(WriteData, worldFromOwnRow0), DPL_AT(WriteData, worldFromOwnRow1), DPL_AT(WriteData, worldFromOwnRow2),
+                  DPL_AT(WriteData, eyeX), DPL_AT(WriteData, eyeY), DPL_AT(WriteData, eyeZ), DPL_AT(WriteData, hasEye),
+                  DPL_AT(WriteData, scale), DPL_AT(WriteData, shShare), DPL_AT(WriteData, shDegree), DPL_AT(WriteData, rows),
+                  DPL_AT(WriteData, thinned), DPL_AT(WriteData, elementCount), DPL_AT(WriteData, pad0), DPL_AT(WriteData, pad1),
+                  DPL_AT(WriteData, elements), DPL_AT(WriteData, shDirections), DPL_AT(WriteData, shInverse)});
     expectLayout("SortPair", sizeof(SortPair), {DPL_AT(SortPair, key), DPL_AT(SortPair, splat)});
     expectLayout("TileSpan", sizeof(TileSpan), {DPL_AT(TileSpan, record), DPL_AT(TileSpan, columns)});
     // Kernels read these records as uvec4s and uvec2s, and name each word by its position.
@@ -111,6 +117,8 @@ TEST(ShaderPack, structsHaveTheSameOffsetsInCppAndInTheBuiltShaders) {
                   offsetof(ProjectedSplat, conicB) == 12 && offsetof(ProjectedSplat, conicC) == 16 &&
                   offsetof(ProjectedSplat, opacityAndRadius) == 20 && offsetof(ProjectedSplat, colour) == 24 &&
                   offsetof(ProjectedSplat, depthM) == 28);
+    static_assert(offsetof(KeptRecord, splat) == 0 && offsetof(KeptRecord, chunkWord) == 4 && offsetof(KeptRecord, weight) == 8 &&
+                  offsetof(KeptRecord, growth) == 12);
     static_assert(offsetof(SortPair, key) == 0 && offsetof(SortPair, splat) == 4);
     static_assert(offsetof(TileSpan, record) == 0 && offsetof(TileSpan, columns) == 4);
     expectLayout("FrameCounts", sizeof(FrameCounts), {DPL_AT(FrameCounts, visible),         DPL_AT(FrameCounts, runs),
@@ -237,6 +245,7 @@ TEST(ShaderPack, workgroupsAreThoseThatTheSharedLimitsName) {
     for (const char* name : {"project", "colour.general"})
         for (uint32_t degree = 0; degree <= 3; ++degree)
             for (const char* views : {"", ".stereo"}) want[formatText("{}.sh{}{}", name, degree, views)] = gpu::kSplatGroup;
+    for (uint32_t degree = 0; degree <= 3; ++degree) want[formatText("write.sh{}", degree)] = gpu::kSplatGroup;
     for (const Shader& shader : embedded().shaders) {
         if (shader.stage != ShaderStage::Compute) continue;
         const std::string name = plainName(shader);

@@ -10,7 +10,9 @@ namespace {
 /** Encodes into strings. The test says how far the GPU has come, and whether it failed. */
 class NotedApi final : public SlottedBackend {
 public:
-    explicit NotedApi(bool lent = true) : SlottedBackend({"wait, or drop it", "SomePass"}), lent_(lent) { info_.halfDepth = true; }
+    explicit NotedApi(bool lent = true) : SlottedBackend({"wait, or drop it", "begin it", "SomePass"}), lent_(lent) {
+        info_.halfDepth = true;
+    }
 
     std::vector<std::string> calls;
     uint64_t reached = 0;  // the last mark that the GPU has come to
@@ -133,6 +135,31 @@ TEST(SlottedBackend, aSlotIsTakenAgainOnceTheGpuHasComeToItsMark) {
          {api.takeSlot(kAppSlots), api.dropSlot(kAppSlots), api.encode({}, kAppSlots, kCommands), api.encode({}, 0, {})})
         EXPECT_FALSE(wrong);
     EXPECT_TRUE(api.take().empty());
+}
+
+TEST(SlottedBackend, commandsJoinOnlyASlotThatAFrameHasBegun) {
+    NotedApi api;
+    EXPECT_FALSE(api.joinSlot(0)) << "nothing was encoded";
+    EXPECT_FALSE(api.joinSlot(kAppSlots));
+    ASSERT_TRUE(api.takeSlot(0));
+    EXPECT_NE(api.joinSlot(0).error().message.find("begin it"), std::string::npos);
+    ASSERT_TRUE(api.encode({}, 0, kCommands));
+    const auto first = api.joinSlot(0), again = api.joinSlot(0);
+    ASSERT_TRUE(first);
+    EXPECT_EQ(*first, *again);
+    EXPECT_FALSE(api.joinSlot(1)) << "another slot";
+    ASSERT_TRUE(api.encode({}, 0, kCommands));  // what joins marks the slot again
+    api.reached = 1;
+    EXPECT_FALSE(api.takeSlot(0)) << "what has joined has not run";
+    api.reached = 2;
+    ASSERT_TRUE(api.takeSlot(0));
+    EXPECT_FALSE(api.joinSlot(0)) << "taken, and not begun";
+    ASSERT_TRUE(api.encode({}, 0, kCommands));
+    const auto next = api.joinSlot(0);
+    ASSERT_TRUE(next);
+    EXPECT_NE(*next, *first);
+    ASSERT_TRUE(api.dropSlot(0));
+    EXPECT_FALSE(api.joinSlot(0));
 }
 
 TEST(SlottedBackend, copiesOfCommandsThatNeverRanAreEncodedAgain) {

@@ -174,24 +174,34 @@ uint32_t AppDevice::memoryType(uint32_t allowed, VkMemoryPropertyFlags wanted) c
     std::abort();
 }
 
-void AppDevice::staging(VkDeviceSize bytes) {
-    vkDestroyBuffer(device, staging_, nullptr);
-    vkFreeMemory(device, stagingMemory_, nullptr);
-    staging_ = VK_NULL_HANDLE, stagingMemory_ = VK_NULL_HANDLE;
-    if (bytes == 0) return;
+AppBuffer AppDevice::makeBuffer(VkDeviceSize bytes, VkBufferUsageFlags usage) {
+    AppBuffer made;
+    made.bytes = bytes;
     VkBufferCreateInfo info{VK_STRUCTURE_TYPE_BUFFER_CREATE_INFO};
     info.size = bytes;
-    info.usage = VK_BUFFER_USAGE_TRANSFER_SRC_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT;
-    MUST(vkCreateBuffer(device, &info, nullptr, &staging_));
+    info.usage = usage;
+    MUST(vkCreateBuffer(device, &info, nullptr, &made.buffer));
     VkMemoryRequirements needs{};
-    vkGetBufferMemoryRequirements(device, staging_, &needs);
+    vkGetBufferMemoryRequirements(device, made.buffer, &needs);
     VkMemoryAllocateInfo allocation{VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO};
     allocation.allocationSize = needs.size;
     allocation.memoryTypeIndex =
         memoryType(needs.memoryTypeBits, VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT | VK_MEMORY_PROPERTY_HOST_COHERENT_BIT);
-    MUST(vkAllocateMemory(device, &allocation, nullptr, &stagingMemory_));
-    MUST(vkBindBufferMemory(device, staging_, stagingMemory_, 0));
-    MUST(vkMapMemory(device, stagingMemory_, 0, VK_WHOLE_SIZE, 0, &mapped_));
+    MUST(vkAllocateMemory(device, &allocation, nullptr, &made.memory));
+    MUST(vkBindBufferMemory(device, made.buffer, made.memory, 0));
+    MUST(vkMapMemory(device, made.memory, 0, VK_WHOLE_SIZE, 0, reinterpret_cast<void**>(&made.mapped)));
+    return made;
+}
+
+void AppDevice::destroy(AppBuffer& buffer) {
+    vkDestroyBuffer(device, buffer.buffer, nullptr);
+    vkFreeMemory(device, buffer.memory, nullptr);
+    buffer = {};
+}
+
+void AppDevice::staging(VkDeviceSize bytes) {
+    destroy(staging_);
+    if (bytes > 0) staging_ = makeBuffer(bytes, VK_BUFFER_USAGE_TRANSFER_SRC_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT);
 }
 
 void AppDevice::makeImage(AppImage& image, VkImageUsageFlags usage) {
@@ -261,7 +271,7 @@ AppImage AppDevice::makeDepth(VkFormat format, uint32_t width, uint32_t height, 
     waitAll();
     const size_t pixels = size_t(width) * height, bytes = format == VK_FORMAT_D16_UNORM ? 2 : 4;
     staging(values.size() * pixels * bytes);
-    auto* to = static_cast<uint8_t*>(mapped_);
+    auto* to = static_cast<uint8_t*>(staging_.mapped);
     for (const std::vector<float>& layer : values)
         for (const float value : layer) {
             const auto code = uint16_t(value * 65535 + 0.5f);
@@ -273,7 +283,7 @@ AppImage AppDevice::makeDepth(VkFormat format, uint32_t width, uint32_t height, 
     VkBufferImageCopy region{};
     region.imageSubresource = {VK_IMAGE_ASPECT_DEPTH_BIT, 0, 0, image.layers};
     region.imageExtent = {width, height, 1};
-    vkCmdCopyBufferToImage(commands, staging_, image.image, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, 1, &region);
+    vkCmdCopyBufferToImage(commands, staging_.buffer, image.image, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, 1, &region);
     barrier(commands, image, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, VK_IMAGE_LAYOUT_DEPTH_STENCIL_READ_ONLY_OPTIMAL);
     submit(kUploadSlot);
     return image;
@@ -359,13 +369,13 @@ void AppDevice::barrier(VkCommandBuffer commands, const AppImage& image, VkImage
 void AppDevice::upload(const AppImage& image, uint32_t layer, std::span<const uint8_t> bytes) {
     waitAll();
     staging(bytes.size());
-    std::memcpy(mapped_, bytes.data(), bytes.size());
+    std::memcpy(staging_.mapped, bytes.data(), bytes.size());
     const VkCommandBuffer commands = begin(kUploadSlot);
     barrier(commands, image, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL);
     VkBufferImageCopy region{};
     region.imageSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, layer, 1};
     region.imageExtent = {image.width, image.height, 1};
-    vkCmdCopyBufferToImage(commands, staging_, image.image, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, 1, &region);
+    vkCmdCopyBufferToImage(commands, staging_.buffer, image.image, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, 1, &region);
     barrier(commands, image, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL);
     submit(kUploadSlot);
     waitAll();
@@ -379,14 +389,14 @@ std::vector<uint8_t> AppDevice::download(const AppImage& image, uint32_t layer) 
     VkBufferImageCopy region{};
     region.imageSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, layer, 1};
     region.imageExtent = {image.width, image.height, 1};
-    vkCmdCopyImageToBuffer(commands, image.image, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, staging_, 1, &region);
+    vkCmdCopyImageToBuffer(commands, image.image, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, staging_.buffer, 1, &region);
     VkMemoryBarrier host{VK_STRUCTURE_TYPE_MEMORY_BARRIER};
     host.srcAccessMask = VK_ACCESS_TRANSFER_WRITE_BIT;
     host.dstAccessMask = VK_ACCESS_HOST_READ_BIT;
     vkCmdPipelineBarrier(commands, VK_PIPELINE_STAGE_TRANSFER_BIT, VK_PIPELINE_STAGE_HOST_BIT, 0, 1, &host, 0, nullptr, 0, nullptr);
     submit(kUploadSlot);
     waitAll();
-    std::memcpy(bytes.data(), mapped_, bytes.size());
+    std::memcpy(bytes.data(), staging_.mapped, bytes.size());
     return bytes;
 }
 

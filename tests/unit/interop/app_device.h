@@ -28,6 +28,14 @@ struct AppImage {
     uint32_t width = 0, height = 0, layers = 1, samples = 1;
 };
 
+/** A mapped buffer, coherent. */
+struct AppBuffer {
+    VkBuffer buffer = VK_NULL_HANDLE;
+    VkDeviceMemory memory = VK_NULL_HANDLE;
+    uint8_t* mapped = nullptr;
+    VkDeviceSize bytes = 0;
+};
+
 /** Any failing call ends the program with its name: a test bench has no other answer. One thread. */
 class AppDevice {
 public:
@@ -60,6 +68,8 @@ public:
     /** The same with four samples a pixel, all of one value. */
     AppImage makeFourSampleDepth(uint32_t width, uint32_t height, float value);
     void destroy(AppImage& image);
+    AppBuffer makeBuffer(VkDeviceSize bytes, VkBufferUsageFlags usage);
+    void destroy(AppBuffer& buffer);
 
     /** A pass with one colour attachment and, with a depth format, a depth attachment: LOAD and STORE, COLOR_ATTACHMENT_OPTIMAL and
      *  DEPTH_STENCIL_ATTACHMENT_OPTIMAL before and after. */
@@ -95,9 +105,7 @@ private:
     VkCommandPool pool_ = VK_NULL_HANDLE;
     VkCommandBuffer commands_[kSlots]{};
     VkFence fences_[kSlots]{};
-    VkBuffer staging_ = VK_NULL_HANDLE;
-    VkDeviceMemory stagingMemory_ = VK_NULL_HANDLE;
-    void* mapped_ = nullptr;
+    AppBuffer staging_;
 };
 
 uint32_t bytesPerPixel(VkFormat format);

@@ -71,11 +71,12 @@ struct Posed {
 TEST(PosedSplats, covarianceIsThatOfTheBoundSplatPlusItsThickness) {
     Posed p;
     ASSERT_EQ(p.out.count(), 3u);
+    const float thin = EllipseFormulas<float>::flatThicknessM();
     for (uint32_t i = 0; i < 3; ++i) {
         Vec3f a1, a2;
         splatAxes(p.frame, p.avatar.splats.phi[i], p.avatar.splats.scaleM[i].x, p.avatar.splats.scaleM[i].y, a1, a2);
-        const Mat3f expected = glm::outerProduct(a1, a1) + glm::outerProduct(a2, a2) +
-                               kFlatThicknessM * kFlatThicknessM * glm::outerProduct(p.frame.normal, p.frame.normal);
+        const Mat3f expected =
+            glm::outerProduct(a1, a1) + glm::outerProduct(a2, a2) + thin * thin * glm::outerProduct(p.frame.normal, p.frame.normal);
         const Mat3f r = glm::mat3_cast(p.out.rotation[i]);
         Mat3f scaled = r;
         for (int k = 0; k < 3; ++k) scaled[k] *= p.out.scaleM[i][k];

@@ -2,7 +2,10 @@
 // GpuRenderer on the null backend: the steps of a frame, the objects that it creates, and what it refuses.
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "sdk/backend/null/null_backend.h"
+#include "sdk/backend/shader_pack.h"
 #include "sdk/math/coverage.h"
 #include "sdk/render/avatar_upload.h"
 #include "sdk/render/gpu_renderer.h"
@@ -47,6 +50,53 @@ TEST(FramePlan, runsThePassesInOrder) {
     for (int round = 0; round < 2; ++round) want.insert(want.end(), {"sort.count", "sort.scan", "sort.scan", "sort.scan", "sort.scatter"});
     want.insert(want.end(), {"draw.splats", "counts"});
     EXPECT_EQ(gpu.record->lastLabels, want);
+}
+
+/** A write of an avatar into slot 0 of an app. */
+Status writeSplats(GpuRenderer& renderer, RenderAvatarId id, uint32_t budget, uint64_t joined, std::vector<FrameId>& lent) {
+    const Pose pose = tubePose(0.3f);
+    const gpu::uvec4 position{gpu::kWritePosition, 0, 3, 0};
+    int commands = 0;
+    const auto lend = [&](FrameId frame, BufferId) { return lent.push_back(frame), Status(); };
+    return renderer.encodeWrite({{id, &pose}, budget, 0, {}, {&position, 1}}, {0, joined, {&commands}, lend});
+}
+
+TEST(FramePlan, aWriteFollowsTheTrianglesWithFourStorageBuffers) {
+    NullSetup gpu;
+    auto id = gpu.renderer->addAvatar(tube());
+    ASSERT_TRUE(id) << id.error().message;
+    std::vector<FrameId> lent;
+    const Status status = writeSplats(*gpu.renderer, *id, 0, 1, lent);
+    ASSERT_TRUE(status) << status.error().message;
+    EXPECT_EQ(gpu.record->lastLabels, (std::vector<std::string>{"begin", "pose.skin", "pose.triangles", "splat.write"}));
+    const auto pack = readShaderPack(embeddedShaderPack(), "", embeddedShaderInterface());
+    ASSERT_TRUE(pack);
+    for (const char* name : {"write.sh0", "write.sh3"}) {
+        const auto& bindings = pack->find(name)->bindings;
+        EXPECT_LE(std::count_if(bindings.begin(), bindings.end(), [](const ShaderBinding& b) { return !b.uniform; }), 4)
+            << "phones have four in a stage";
+    }
+}
+
+TEST(FramePlan, writesOfAFrameHaveTheirOwnRecordingsWhichTheNextFrameUsesAgain) {
+    NullSetup gpu;
+    auto id = gpu.renderer->addAvatar(tube());
+    ASSERT_TRUE(id) << id.error().message;
+    std::vector<FrameId> first, second, third;
+    for (const uint32_t budget : {0u, 5u, 0u}) ASSERT_TRUE(writeSplats(*gpu.renderer, *id, budget, 1, first));
+    EXPECT_NE(first[0].value, first[2].value) << "the CPU writes the buffers of each while the other waits to run";
+    const uint64_t created = gpu.record->createdObjects;
+    for (const uint32_t budget : {0u, 5u, 0u}) ASSERT_TRUE(writeSplats(*gpu.renderer, *id, budget, 2, second));
+    EXPECT_EQ(gpu.record->createdObjects, created);
+    for (size_t k = 0; k < 3; ++k) EXPECT_EQ(first[k].value, second[k].value);
+    for (uint32_t n = 0; n < kMostWritesAFrame; ++n) ASSERT_TRUE(writeSplats(*gpu.renderer, *id, 0, 3, third));
+    EXPECT_FALSE(writeSplats(*gpu.renderer, *id, 0, 3, third)) << "the app begins no frames";
+    const uint64_t buffers = gpu.record->liveBuffers, frames = gpu.record->liveFrames;
+    for (const uint32_t budget : {5u, 6u, 7u, 8u, 9u, 10u, 11u}) ASSERT_TRUE(gpu.renderer->writtenRows(*id, budget));
+    EXPECT_EQ(gpu.record->liveBuffers, buffers + 2) << "four budgets are kept";
+    EXPECT_LT(gpu.record->liveFrames, frames) << "recordings go with their budget";
+    gpu.renderer->removeAvatar(*id);
+    EXPECT_EQ(gpu.record->liveFrames, 0u);
 }
 
 TEST(FramePlan, depthOfTheMeshFollowsSkinningAndCostsOtherFramesNothing) {

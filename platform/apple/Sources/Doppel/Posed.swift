@@ -9,6 +9,8 @@ public enum SplatProperty: UInt32, BufferProperty {
     case rotation, scale, covariance, opacity, colour
     /// Spherical harmonics.
     case harmonics
+    /// As `rotation`, w first.
+    case rotationWXYZ
 }
 
 public enum VertexProperty: UInt32, BufferProperty {
@@ -60,14 +62,54 @@ public struct SplatOptions: Sendable {
         self.eye = eye
         self.shDegree = shDegree
     }
+
+    /// Calls a C function that takes them and fills a `DplWritten`.
+    package func written(
+        by body: (UnsafePointer<DplSplatOptions>, UnsafeMutablePointer<DplWritten>) -> DplResult
+    ) throws(DoppelError) -> Written {
+        var raw = DplSplatOptions.sized
+        raw.splatBudget = try c(splatBudget)
+        raw.shDegree = try c(shDegree)
+        let eye = eye.map { [$0.x, $0.y, $0.z] } ?? []
+        return Written(
+            try filled(DplWritten.sized) { written in
+                eye.withUnsafeBufferPointer {
+                    raw.eye = eye.isEmpty ? nil : $0.baseAddress
+                    return body(&raw, written)
+                }
+            })
+    }
+}
+
+/// Elements as the C interface takes them, valid during `body`.
+package func withElements<Property>(
+    _ elements: [BufferElement<Property>], _ body: (UnsafePointer<DplBufferElement>?, UInt32) throws(DoppelError) -> Written
+) throws(DoppelError) -> Written {
+    var raw: [DplBufferElement] = []
+    for element in elements { raw.append(try element.raw()) }
+    let count = try c(raw.count)
+    // A typed error does not pass through withUnsafeBufferPointer in Swift 6.0.
+    let result: Result<Written, DoppelError> = raw.withUnsafeBufferPointer {
+        do throws(DoppelError) {
+            return .success(try body($0.baseAddress, count))
+        } catch {
+            return .failure(error)
+        }
+    }
+    return try result.get()
 }
 
 /// What was written.
 public struct Written: Sendable, Equatable {
     /// Splats or vertices.
     public let count: Int
-    /// Numbers that were too large for a half.
+    /// Numbers that were too large for a half; of writes by a GPU 0.
     public let saturated: Int
+
+    init(_ raw: DplWritten) {
+        count = Int(raw.count)
+        saturated = Int(raw.saturated)
+    }
 }
 
 /// Posed splats and vertices in memory of the app, for engines that draw them themselves. Experimental, as in C.
@@ -91,47 +133,25 @@ extension Avatar {
         _ elements: [BufferElement<VertexProperty>], into bytes: UnsafeMutableRawBufferPointer
     ) throws(DoppelError) -> Written {
         try withBuffer(elements, bytes) { buffer throws(DoppelError) in
-            self.told(try filled(DplWritten.sized) { dplWriteMesh(self.handle.raw, buffer, $0) })
+            Written(try filled(DplWritten.sized) { dplWriteMesh(self.handle.raw, buffer, $0) })
         }
     }
 
     private func write(_ options: SplatOptions, _ buffer: UnsafePointer<DplBuffer>?) throws(DoppelError) -> Written {
-        var raw = DplSplatOptions.sized
-        raw.splatBudget = try c(options.splatBudget)
-        raw.shDegree = try c(options.shDegree)
-        let eye = options.eye.map { [$0.x, $0.y, $0.z] } ?? []
-        return told(
-            try filled(DplWritten.sized) { written in
-                eye.withUnsafeBufferPointer {
-                    raw.eye = eye.isEmpty ? nil : $0.baseAddress
-                    return dplWriteSplats(handle.raw, &raw, buffer, written)
-                }
-            })
-    }
-
-    private func told(_ written: DplWritten) -> Written {
-        Written(count: Int(written.count), saturated: Int(written.saturated))
+        try options.written { dplWriteSplats(handle.raw, $0, buffer, $1) }
     }
 
     private func withBuffer<Property>(
         _ elements: [BufferElement<Property>], _ bytes: UnsafeMutableRawBufferPointer,
         _ body: (UnsafePointer<DplBuffer>) throws(DoppelError) -> Written
     ) throws(DoppelError) -> Written {
-        var raw: [DplBufferElement] = []
-        for element in elements { raw.append(try element.raw()) }
-        var buffer = DplBuffer.sized
-        buffer.elementCount = try c(raw.count)
-        buffer.data = bytes.baseAddress
-        buffer.dataBytes = UInt64(bytes.count)
-        // A typed error does not pass through withUnsafeBufferPointer in Swift 6.0.
-        let result: Result<Written, DoppelError> = raw.withUnsafeBufferPointer {
-            buffer.elements = $0.baseAddress
-            do throws(DoppelError) {
-                return .success(try body(&buffer))
-            } catch {
-                return .failure(error)
-            }
+        try withElements(elements) { raw, count throws(DoppelError) in
+            var buffer = DplBuffer.sized
+            buffer.elements = raw
+            buffer.elementCount = count
+            buffer.data = bytes.baseAddress
+            buffer.dataBytes = UInt64(bytes.count)
+            return try body(&buffer)
         }
-        return try result.get()
     }
 }

@@ -118,6 +118,30 @@
             try check(dplMetalComposeDepth(context.raw, composer, pointer(encoder), frame.slot, view, x, y, depth.scale, depth.offset))
         }
 
+        /// Writes the splats of an avatar in its current pose into a buffer of the app's, for an engine that draws them itself. The frame
+        /// need not draw the avatar. Offsets and strides of `elements` are multiples of 4. The buffer must live until the frame has run,
+        /// and no encoder may be open. See `dplMetalWriteSplats`; experimental.
+        @discardableResult
+        public func writeSplats(
+            of avatar: Avatar, _ elements: [BufferElement<SplatProperty>], into buffer: any MTLBuffer, in frame: MetalFrame,
+            _ options: SplatOptions = SplatOptions()
+        ) throws(DoppelError) -> Written {
+            try withElements(elements) { raw, count throws(DoppelError) in
+                var rows = DplMetalBuffer()
+                rows.structSize = UInt32(MemoryLayout<DplMetalBuffer>.size)
+                rows.elements = raw
+                rows.elementCount = count
+                rows.buffer = pointer(buffer)
+                rows.bytes = UInt64(buffer.length)
+                return try options.written { dplMetalWriteSplats(avatar.raw, pointer(frame.commands), frame.slot, $0, &rows, $1) }
+            }
+        }
+
+        /// How many splats `writeSplats` writes.
+        public func splatCount(of avatar: Avatar, _ options: SplatOptions = SplatOptions()) throws(DoppelError) -> Int {
+            try options.written { dplMetalWriteSplats(avatar.raw, nil, 0, $0, nil, $1) }.count
+        }
+
         /// Draws contact shadows into a pass, before `compose`. cameras: of the pass's view; with layers of all views. x, y: as for
         /// `compose`. Throws `.unsupported` where Metal does not compile the shader.
         public func drawShadows(

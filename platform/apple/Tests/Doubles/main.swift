@@ -23,6 +23,7 @@ final class FakeEncoder: MTLRenderCommandEncoder {
 }
 
 final class Fake: MTLLibrary, MTLFunction, MTLRenderPipelineState, MTLBuffer {
+    let length = 4096
     func makeFunction(name functionName: String) -> (any MTLFunction)? { self }
 }
 
@@ -144,6 +145,18 @@ expect(code { _ = try draw([avatar], nowS: 11) } == .device, "still lost")
 expect(calls() == "prepare 0; drop 0; rebuild 0; composer 81; ", "rebuilt")
 expect(try draw([avatar], nowS: 11), "drawn")
 expect(calls().hasPrefix("prepare 1; compose"), "by the new device")
+
+// Splats in a buffer of the app's.
+let writing = try stage.begin([], from: [], nowS: 12)!
+let layout: [BufferElement<SplatProperty>] = [
+    BufferElement(.position, strideBytes: 16), BufferElement(.opacity, offsetBytes: 12, strideBytes: 16),
+]
+let seen = SplatOptions(splatBudget: 5, eye: SIMD3(1, 2, 3), shDegree: 1)
+expect(try stage.writeSplats(of: avatar, layout, into: Fake(), in: writing, seen).count == 4096 / 16, "the rows of the buffer")
+expect(try stage.splatCount(of: avatar, seen) == 5, "counted")
+expect(calls() == "upload \(writing.slot); write 2; count 5; ", "the layout, eye and budget arrive")
+stage.commit(writing)
+(writing.commands as! FakeCommands).complete()
 
 // Shadows: a pipeline for each kind of pass, a draw for each shadow that is not empty, and one instance a layer.
 let turned = Float(0.5).squareRoot()

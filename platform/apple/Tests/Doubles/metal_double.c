@@ -51,6 +51,16 @@ DplResult dplCreateMetalComposer(DplContext context, const DplMetalPass* pass, u
     return call("composer", pass->colourFormat);
 }
 
+DplResult dplMetalWriteSplats(DplAvatar avatar, void* commands, uint32_t slot, const DplSplatOptions* options, const DplMetalBuffer* buffer,
+                              DplWritten* written) {
+    (void)slot;
+    if (!avatar || !options->eye || options->eye[2] != 3 || options->shDegree != 1) return DPL_ERROR_INVALID_ARGUMENT;
+    if (!buffer) return written->count = options->splatBudget, call("count", options->splatBudget);
+    if (!commands || !buffer->buffer || buffer->elements[1].offsetBytes != 12) return DPL_ERROR_INVALID_ARGUMENT;
+    written->count = (uint32_t)(buffer->bytes / buffer->elements[0].strideBytes);
+    return call("write", buffer->elementCount);
+}
+
 DplResult dplMetalPrepare(DplContext context, void* commands, uint32_t slot, const DplAvatar* avatars, uint32_t avatarCount,
                           const DplCamera* views, uint32_t viewCount, const DplMetalSceneDepth* depths) {
     (void)context, (void)avatars, (void)views, (void)depths;

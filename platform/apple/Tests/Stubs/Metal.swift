@@ -15,7 +15,11 @@ public protocol MTLLibrary: AnyObject {
     func makeFunction(name functionName: String) -> (any MTLFunction)?
 }
 public protocol MTLRenderPipelineState: AnyObject {}
-public protocol MTLBuffer: AnyObject {}
+public enum MTLAttributeFormat: UInt, Sendable { case float = 28, float2, float3, float4 }
+
+public protocol MTLBuffer: AnyObject {
+    var length: Int { get }
+}
 public struct MTLResourceOptions: OptionSet, Sendable {
     public let rawValue: UInt
     public init(rawValue: UInt) { self.rawValue = rawValue }

@@ -5,7 +5,7 @@ package org.doppel
 import java.nio.ByteBuffer
 
 /** What a splat has; numbers, units and frames are those of DplSplatProperty. HARMONICS: spherical harmonics. */
-enum class SplatProperty { POSITION, ROTATION, SCALE, COVARIANCE, OPACITY, COLOUR, HARMONICS }
+enum class SplatProperty { POSITION, ROTATION, SCALE, COVARIANCE, OPACITY, COLOUR, HARMONICS, ROTATION_WXYZ }
 
 /** What a vertex has; see DplVertexProperty. */
 enum class VertexProperty { POSITION, NORMAL }
