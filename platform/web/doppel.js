@@ -36,7 +36,7 @@ const IN_PLACE = 4, OVER_POSE = 8;  // DplTrackerFlag
 const TRACKER_STATES = ['waiting', 'tracking', 'lost'];
 const GENERAL_SPLATS = /^(ply|\x1f\x8b|NGSP|glTF)/;  // beginnings of files of general splats; those of persons are glTF too
 const CAMERA_NUMBERS = 18;
-const SPLAT_PROPERTIES = { position: 3, rotation: 4, scale: 3, covariance: 6, opacity: 1, colour: 3, sh: 0 };  // numbers; as DplSplatProperty
+const SPLAT_PROPERTIES = { position: 3, rotation: 4, scale: 3, covariance: 6, opacity: 1, colour: 3, sh: 0, rotationWxyz: 4 };  // numbers; as DplSplatProperty
 const NUMBER_BYTES = { float: 4, half: 2 };  // as DplNumber
 const PROPERTY_NAMES = Object.keys(SPLAT_PROPERTIES);
 const MOST_ELEMENTS = 16;  // DPL_MAX_BUFFER_ELEMENTS
@@ -389,7 +389,7 @@ export class Doppel {
   }
 
   /** Splats of the pose for an engine that draws splats itself, in the layout that it wants: elements {property, number, offset, stride}.
-   *  property: 'position', 'rotation', 'scale', 'covariance', 'opacity', 'colour' or 'sh' (doppel_posed.h tells what they are); number:
+   *  property: 'position', 'rotation', 'scale', 'covariance', 'opacity', 'colour', 'sh' or 'rotationWxyz' (doppel_posed.h tells what they are); number:
    *  'float', as usual, or 'half'; offset: bytes to the first splat's; stride: bytes from one to the next, 0: without gaps.
    *  eye: where the viewer is, 3 numbers, world: splats that turn their inside to it are left out, and colours are those that it sees.
    *  splatBudget: most splats, 0: all. Their number and order depend on the person and splatBudget alone.

@@ -21,7 +21,7 @@ export class DoppelContainer extends GSplatContainer {
     this.layout = [
       { property: 'position', offset: 0, stride: 16 }, { property: 'colour', number: 'half', offset: 16 * count, stride: 8 },
       { property: 'opacity', number: 'half', offset: 16 * count + 6, stride: 8 }, { property: 'scale', number: 'half', offset: 24 * count, stride: 8 },
-      { property: 'rotation', number: 'half', offset: 32 * count, stride: 8 }, { property: 'position', offset: 40 * count, stride: 12 },
+      { property: 'rotationWxyz', number: 'half', offset: 32 * count, stride: 8 }, { property: 'position', offset: 40 * count, stride: 12 },
     ];
     this.#write();
   }
@@ -44,10 +44,7 @@ export class DoppelContainer extends GSplatContainer {
     fill('dataCenter', Float32Array, 0);
     fill('dataColor', Uint16Array, 16 * count);
     fill('dataScale', Uint16Array, 24 * count);
-    const from = new Uint16Array(bytes.buffer, bytes.byteOffset + 32 * count, 4 * count), rotations = this.getTexture('dataRotation');
-    const to = rotations.lock();
-    for (let i = 0; i < 4 * count; i += 4) to[i] = from[i + 3], to[i + 1] = from[i], to[i + 2] = from[i + 1], to[i + 3] = from[i + 2];  // w first
-    rotations.unlock();
+    fill('dataRotation', Uint16Array, 32 * count);
     this.centers.set(new Float32Array(bytes.buffer, bytes.byteOffset + 40 * count, 3 * count));
     const box = this.aabb ?? new BoundingBox();
     box.compute(this.centers, count);
