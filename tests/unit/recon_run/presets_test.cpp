@@ -72,7 +72,8 @@ TEST_F(Presets, aBadFileIsRefusedWithItsNameAndTheRemedy) {
     refuses(R"({"steps": 1e300})", "it is a whole number");
     refuses(R"({"steps": "many"})", "'steps' is not a finite number");
     refuses(R"({"steps": null})", "'steps' is null");
-    refuses(R"({"maxSplats": 50000000})", "'maxSplats' is 50000000");
+    refuses(R"({"maxSplats": 999})", "'maxSplats' is 999; it is a whole number from 1000 to 2000000");
+    refuses(R"({"maxSplats": 50000000})", "it is a whole number from 1000 to 2000000");
     refuses(R"({"shDegree": 4})", "'shDegree' is 4; it is a whole number from 0 to 3");
     refuses(R"({"like": "best"})", "'like' is 'best'; it is draft, standard or high");
     refuses(R"({"startSplats": 90000})", "training starts with 90000 splats and may have 80000");
