@@ -18,7 +18,7 @@ import viewer_test
 import x11_send
 from viewer_test import PATIENCE_S, Test, expect
 
-LEAST_GOLDEN_DB = 40  # measured 99 (the same bytes) on the driver that drew them; another font or driver may round other pixels
+LEAST_GOLDEN_DB = 40  # measured 61 to 99 (the same bytes) on the driver that drew them; another font or driver may round other pixels
 WIDTH, HEIGHT = 900, 700
 EXPORT_TOP = 160  # of the window that exports, in a window of that size
 KINDS = ["picture", "cut out", "turntable", "clip", "glb", "spz", "ply", "mesh"]
@@ -199,8 +199,10 @@ class Panels(Test):
         expect(psnr >= LEAST_GOLDEN_DB, f"{name}: {psnr} dB to the approved picture, at least {LEAST_GOLDEN_DB} wanted: {picture}")
 
     def states(self, approve):
-        run = self.run_folder("run")
-        self.tell(run, "running", 1)
+        run = self.run_folder("run")  # stopped: one that works is called silent soon, on a busy machine
+        self.tell(run, "stopped", 1)
+        (run / "viewer-run.json").write_text(json.dumps({"format": "doppel-viewer-run", "version": 1, "scan": "/film", "videos": [],
+                                                         "preset": "draft", "minutes": 0}))
         self.xdotool("mousemove", 990, 790)  # no button is under it
         small, wide = "640x480", "1280x600"
         scripts = {"empty": (small,), "avatar": (small, self.avatar, "--frames", 10),
