@@ -6,52 +6,17 @@
 
 #include "apps/bench/json_row.h"
 #include "apps/shared/checks.h"
-#include "reconstruction/run/preset.h"
 #include "reconstruction/run/progress.h"
-#include "reconstruction/subject/sample/sample_frames.h"
-#include "reconstruction/training/correctives/corrective_model.h"
-#include "sdk/avatar/stress_poses.h"
 #include "sdk/core/files.h"
 
 namespace dpl {
 namespace {
-
-constexpr uint32_t kStillFrames = 8, kMovingFrames = 4, kMotionPoses = 30;
 
 constexpr const char* kPartMeanings =
     "\nms: wall time, mean of the measured steps. CPU ms: of all threads; on a busy machine it says more than the wall. Threads busy: CPU\n"
     "time by wall time. Alone ms: CPU time of the training thread while no other thread computes, (T · own − all) / (T − 1) with T "
     "threads.\n"
     "Bytes: what the part reads and writes at least once, by the sizes of its arrays; not counted.\n";
-
-/** The built-in subject in its true poses. Motion modes and the light of the scene are learned from scans alone. */
-Result<CoOptimiseInput> proceduralInput(const TrainingBenchOptions& options, Jobs& jobs) {
-    const Subject subject = makeSubject(options.reconstruct.seed, jobs);
-    SampleScanOptions scan;
-    scan.seed = options.reconstruct.seed;
-    scan.fullFrames = kStillFrames, scan.closeupFrames = 0, scan.dynamicFrames = kMovingFrames, scan.samplesPerPixel = 1;
-    if (const auto size = parsePictureSize(options.size)) scan.widthPx = size->widthPx, scan.heightPx = size->heightPx;
-    CoOptimiseInput input;
-    DPL_TRY(input.frames, sampleFrames(subject, scan, jobs));
-    input.joints = subject.joints, input.mesh = subject.mesh, input.triangleLabel = triangleLabels(subject);
-    DPL_TRY(input.correctives, correctiveModel(input.joints, input.mesh, sampleMotionPoses(subject, scan, kMotionPoses)));
-    input.stress = stressPoses(input.joints);
-    return input;
-}
-
-Result<ProfiledTraining> profile(const TrainingBenchOptions& options, Progress& progress) {
-    if (!options.reconstruct.scan.empty()) return profileTraining(options.reconstruct, options.steps, progress);
-    Jobs jobs(options.reconstruct.threadCount);
-    progress.beginStage("training steps");
-    ShownTask task(progress);
-    const TaskScope scope(&task);
-    DPL_TRY(CoOptimiseInput input, proceduralInput(options, jobs));
-    RunSettings settings = settingsOf(options.reconstruct);
-    settings.training.init.clothLabels = {kLabelTop, kLabelBottom}, settings.training.init.openLabels = {kLabelHair};
-    DPL_TRY(const ProfiledTraining made, profileSteps(std::move(input), settings.training, options.steps, jobs));
-    progress.endStage(formatText("{} of {}", options.steps.steps, options.size));
-    return made;
-}
 
 /** Bytes of the arrays that a part reads and writes. */
 double bytesOf(StepPart part, const ProfiledTraining& t) {
@@ -98,7 +63,8 @@ double aloneMs(const PartTime& t, double threads) {
 
 Status runTrainingBench(const TrainingBenchOptions& options) {
     Progress progress;
-    DPL_TRY(const ProfiledTraining made, profile(options, progress));
+    const PictureSize size = parsePictureSize(options.size).value_or(PictureSize{378, 504});
+    DPL_TRY(const ProfiledTraining made, profileTraining(options.reconstruct, size.widthPx, size.heightPx, options.steps, progress));
     const StepProfile& p = made.profile;
     const double threads = Jobs(options.reconstruct.threadCount).threadCount();
     const std::string name = options.reconstruct.scan.empty() ? "procedural " + options.size : options.reconstruct.scan.filename().string();

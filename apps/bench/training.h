@@ -2,8 +2,7 @@
 // `doppel bench training`: what a step of the training costs, part by part.
 #pragma once
 
-#include "reconstruction/run/reconstruct.h"
-#include "reconstruction/training/trainer/profile_steps.h"
+#include "reconstruction/run/profile_training.h"
 
 namespace dpl {
 

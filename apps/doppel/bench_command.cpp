@@ -33,8 +33,6 @@ void addTrainingCommand(CLI::App& bench, CommandRun& run) {
         ->check(inRange(0, 256))
         ->capture_default_str();
     command->add_option("--json", options->jsonFile, "Also write the figures to this file, as JSON lines");
-    command->get_option("avatar")->required(false);  // doppel bench training takes none
-    addTrainingCommand(*command, run);
     command->footer(
         "Examples:\n  doppel bench training\n  doppel bench training --size 1080x1440 --splats 300000 --steps 12\n"
         "  doppel bench training scan -o ada --json steps.jsonl");
@@ -54,6 +52,8 @@ void addBenchCommand(CLI::App& app, CommandRun& run) {
     CLI::App* command =
         app.add_subcommand("bench", "Time an avatar on every renderer and measure its pictures against the double-precision referee");
     addBenchOptions(*command, *options, {"software", "vulkan", "vulkan-quads", "vulkan-tiles"});
+    command->get_option("avatar")->required(false);  // doppel bench training takes none
+    addTrainingCommand(*command, run);
     command->footer(
         "Examples:\n  doppel bench ada/avatar.glb\n  doppel bench ada/avatar.glb --clip walk.bvh --time 1.5 --json ada.jsonl\n  doppel "
         "bench guitar.compressed.ply --axes y-down");

@@ -79,8 +79,9 @@ HWY_INLINE SplatRow<Lanes> splatRow(Lanes d, const ProjectedSplat& p, uint32_t n
 }
 
 template <bool kCloth, bool kDepth, bool kStops, bool kScene, class Lanes, class Vector = hn::Vec<Lanes>>
-HWY_INLINE void blendChunk(Lanes d, const SplatRow<Lanes>& s, Vector pixelX, float rowX, float rowExponent, uint32_t at,
-                           const float* farthestSeenM, TileAccumulators& tile) {
+HWY_INLINE void blendChunk(const SplatRow<Lanes>& s, Vector pixelX, float rowX, float rowExponent, uint32_t at, const float* farthestSeenM,
+                           TileAccumulators& tile) {
+    const Lanes d;
     const hn::RebindToUnsigned<Lanes> du;
     const Vector dx = pixelX - hn::Set(d, rowX);
     const Vector exponent = hn::MulAdd(dx * dx, s.scale, hn::Set(d, rowExponent));
@@ -138,15 +139,14 @@ void blendTileAs(const BlendTileTask& task, TileAccumulators& tile) {
             const uint32_t column = firstX / kHalfLanes * kHalfLanes;
             const auto columnX = hn::Iota(half, float(column));
             forRows([&](uint32_t at, float rowX, float rowExponent) HWY_ATTR {
-                blendChunk<kCloth, kDepth, kStops, kScene>(half, s, columnX, rowX, rowExponent, at + column, task.farthestSeenM, tile);
+                blendChunk<kCloth, kDepth, kStops, kScene>(s, columnX, rowX, rowExponent, at + column, task.farthestSeenM, tile);
             });
         } else {
             const auto s = splatRow<kCloth, kDepth, kStops, kScene>(d, p, e + 1);
             const uint32_t firstChunk = firstX / kLanes, lastChunk = lastX / kLanes;
             forRows([&](uint32_t at, float rowX, float rowExponent) HWY_ATTR {
                 for (uint32_t c = firstChunk; c <= lastChunk; ++c)
-                    blendChunk<kCloth, kDepth, kStops, kScene>(d, s, pixelX[c], rowX, rowExponent, at + c * kLanes, task.farthestSeenM,
-                                                               tile);
+                    blendChunk<kCloth, kDepth, kStops, kScene>(s, pixelX[c], rowX, rowExponent, at + c * kLanes, task.farthestSeenM, tile);
             });
         }
         if ((e - task.begin) % kCheckEvery == kCheckEvery - 1) {

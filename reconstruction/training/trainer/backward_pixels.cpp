@@ -54,22 +54,22 @@ HWY_INLINE V exp2Of(D d, V p) {
     return hn::BitCast(d, hn::Add(hn::BitCast(di, r), hn::ShiftLeft<23>(whole)));
 }
 
-/** The part of a splat's box inside the tile, in pixel indices; last included. */
-struct EntryBox {
+/** A splat in the tile: its centre, from that of the tile's first pixel, and the part of its box inside, in pixel indices; last included.
+ */
+struct EntryPlace {
+    float x, y;
     int x0, x1, y0, y1;
 };
 
-/** Replays entry `index` of the tile over the rows and columns of its box, which is not empty. relX, relY: the splat's centre, from that of
- *  the tile's first pixel. A row is kVectors vectors of D. */
+/** Replays entry `index` of the tile over the rows and columns of its box, which is not empty. A row is kVectors vectors of D. */
 template <int kVectors, class D>
-HWY_INLINE void replayEntry(D d, TileState& tile, const ProjectedSplat& p, int32_t index, float relX, float relY, const EntryBox& box,
-                            EntrySums& out) {
+HWY_INLINE void replayEntry(D d, TileState& tile, const ProjectedSplat& p, int32_t index, const EntryPlace& place, EntrySums& out) {
     using V = hn::Vec<D>;
     const hn::RebindToSigned<D> di;
     constexpr int lanes = int(hn::MaxLanes(D()));
     const V zero = hn::Zero(d);
     V s = zero, sx = zero, sy = zero, sxx = zero, sxy = zero, syy = zero, red = zero, green = zero, blue = zero, weight = zero;
-    const int start = std::min(box.x0, kTile - kVectors * lanes);
+    const int start = std::min(place.x0, kTile - kVectors * lanes);
     const float slope = p.conicB / p.conicA, rowScale = -0.5f * kLog2E * p.inverseVarianceY;
     const float logOpacity = 0.5f * kLog2E * p.inverseVarianceY * p.radiusY * p.radiusY + kLog2MinAlpha;  // as in the blend
     const V scale = hn::Set(d, -0.5f * kLog2E * p.conicA);
@@ -79,11 +79,11 @@ HWY_INLINE void replayEntry(D d, TileState& tile, const ProjectedSplat& p, int32
     const int kind = p.cloth > 0.5f;
     const float *share = tile.colourShare[kind], *cover = tile.cover[kind];
     V dx[kVectors];
-    for (int k = 0; k < kVectors; ++k) dx[k] = hn::Sub(hn::ConvertTo(d, hn::Iota(di, start + k * lanes)), hn::Set(d, relX));
+    for (int k = 0; k < kVectors; ++k) dx[k] = hn::Sub(hn::ConvertTo(d, hn::Iota(di, start + k * lanes)), hn::Set(d, place.x));
 
-    for (int y = box.y0; y <= box.y1; ++y) {
+    for (int y = place.y0; y <= place.y1; ++y) {
         if (index >= tile.rowStop[y]) continue;
-        const float dyScalar = float(y) - relY;
+        const float dyScalar = float(y) - place.y;
         const V dy = hn::Set(d, dyScalar), shift = hn::Set(d, slope * dyScalar);
         const V rowExponent = hn::Set(d, logOpacity + rowScale * dyScalar * dyScalar);
         V rowS = zero, rowX = zero, rowXx = zero;
@@ -126,14 +126,18 @@ HWY_INLINE void replayEntry(TileState& tile, const ProjectedSplat& p, int32_t in
     using Whole = hn::CappedTag<float, kTile>;
     constexpr int kHalf = kTile / 2 / int(hn::MaxLanes(Half())), kWhole = kTile / int(hn::MaxLanes(Whole()));
     const float relX = p.x - originX, relY = p.y - originY;
-    const EntryBox box{int(std::max(0.0f, std::ceil(relX - p.radiusX))), int(std::min(float(kTile - 1), std::floor(relX + p.radiusX))),
-                       int(std::max(0.0f, std::ceil(relY - p.radiusY))), int(std::min(float(kTile - 1), std::floor(relY + p.radiusY)))};
-    if (box.x1 < box.x0 || box.y1 < box.y0)
+    const EntryPlace place{relX,
+                           relY,
+                           int(std::max(0.0f, std::ceil(relX - p.radiusX))),
+                           int(std::min(float(kTile - 1), std::floor(relX + p.radiusX))),
+                           int(std::max(0.0f, std::ceil(relY - p.radiusY))),
+                           int(std::min(float(kTile - 1), std::floor(relY + p.radiusY)))};
+    if (place.x1 < place.x0 || place.y1 < place.y0)
         out = {};
-    else if (box.x1 - box.x0 < kTile / 2)
-        replayEntry<kHalf>(Half(), tile, p, index, relX, relY, box, out);
+    else if (place.x1 - place.x0 < kTile / 2)
+        replayEntry<kHalf>(Half(), tile, p, index, place, out);
     else
-        replayEntry<kWhole>(Whole(), tile, p, index, relX, relY, box, out);
+        replayEntry<kWhole>(Whole(), tile, p, index, place, out);
 }
 
 void replayTile(TileState& tile, const ProjectedSplat* projected, const uint32_t* entries, uint32_t count, float originX, float originY,
@@ -163,8 +167,9 @@ void ImageGradient::resize(uint32_t width, uint32_t height, bool withCloth) {
 namespace {
 
 /** Fills the tile at column x0 and row y0 of the picture. first: index of the tile's first entry. Returns the largest stop. */
-int32_t loadTile(const SplatImage& image, const ImageGradient& gradient, bool withCloth, const uint32_t* stops, uint32_t first, size_t x0,
-                 size_t y0, TileState& tile) {
+int32_t loadTile(const SplatImage& image, const ImageGradient& gradient, const uint32_t* stops, uint32_t first, size_t x0, size_t y0,
+                 TileState& tile) {
+    const bool withCloth = !gradient.cloth.empty() && !image.cloth.empty();
     const size_t width = image.widthPx, columns = std::min<size_t>(kTile, width - x0), rows = std::min<size_t>(kTile, image.heightPx - y0);
     if (columns < size_t(kTile) || rows < size_t(kTile)) std::memset(&tile, 0, sizeof tile);
     std::fill_n(tile.transmittance, kTilePixels, 1.0f);
@@ -206,7 +211,6 @@ void PixelBackward::run(const SplatEngine& engine, const SplatImage& image, cons
     const TileLists& tiles = engine.tiles();
     const auto projected = engine.projected();
     const auto stops = engine.stops();
-    const bool withCloth = !gradient.cloth.empty() && !image.cloth.empty();
     const size_t entryCount = tiles.offset.empty() ? 0 : tiles.offset.back();  // tiles.entries may be longer: it never shrinks
     entries_.resize(std::max(entries_.size(), entryCount));
     jobs_.forBlocks(size_t(tiles.columns) * tiles.rows, [&](size_t t, uint32_t) {
@@ -214,7 +218,7 @@ void PixelBackward::run(const SplatEngine& engine, const SplatImage& image, cons
         if (count == 0) return;
         TileState tile;
         const size_t x0 = t % tiles.columns * kTile, y0 = t / tiles.columns * kTile;
-        const uint32_t used = std::min(count, uint32_t(loadTile(image, gradient, withCloth, stops.data(), first, x0, y0, tile)));
+        const uint32_t used = std::min(count, uint32_t(loadTile(image, gradient, stops.data(), first, x0, y0, tile)));
         HWY_DYNAMIC_DISPATCH(replayTile)
         (tile, projected.data(), tiles.entries.data() + first, used, float(x0) + 0.5f, float(y0) + 0.5f, entries_.data() + first);
         std::memset(static_cast<void*>(entries_.data() + first + used), 0, (count - used) * sizeof(EntrySums));
