@@ -47,10 +47,4 @@ RunSettings withTrainingSteps(RunSettings settings, uint32_t steps) {
     return settings;
 }
 
-CoOptimiseSettings slowestSteps(CoOptimiseSettings training) {
-    training.fullResolutionOnly = true;
-    training.init.splatCount = std::max(training.init.splatCount, training.maxSplats);
-    return training;
-}
-
 }  // namespace dpl

@@ -28,7 +28,4 @@ RunSettings settingsOf(const ReconstructOptions& options, std::span<const ScanLa
  *  of them, so that a short training is not followed by a long rest of the run. */
 RunSettings withTrainingSteps(RunSettings settings, uint32_t steps);
 
-/** The same training with every step as slow as its last ones: pictures at full size, and as many splats as density control allows. */
-CoOptimiseSettings slowestSteps(CoOptimiseSettings training);
-
 }  // namespace dpl

@@ -13,6 +13,7 @@
 #include "reconstruction/run/run_scan.h"
 #include "reconstruction/run/stage_body_fit.h"
 #include "reconstruction/run/stage_body_map.h"
+#include "reconstruction/run/stage_co_optimise.h"
 #include "reconstruction/run/stage_garments.h"
 #include "reconstruction/run/stage_ingest.h"
 #include "reconstruction/run/stage_observe.h"
@@ -141,6 +142,14 @@ Result<std::string> checkFilm(const ReconstructOptions& options, Progress& progr
     return withRun<std::string>(options, progress, [](Run& run) -> Result<std::string> {
         DPL_TRY(const MappedBody* mapped, mapAndTell(run));
         return mapped->advice;
+    });
+}
+
+Result<ProfiledTraining> profileTraining(const ReconstructOptions& options, const ProfiledSteps& steps, Progress& progress) {
+    return withRun<ProfiledTraining>(options, progress, [&](Run& run) -> Result<ProfiledTraining> {
+        run.put(steps, "profiled steps");
+        DPL_TRY(const ProfiledTraining* profiled, run.get<ProfiledTraining>());
+        return *profiled;
     });
 }
 

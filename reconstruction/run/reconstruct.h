@@ -19,6 +19,9 @@
 
 namespace dpl {
 
+struct ProfiledSteps;
+struct ProfiledTraining;
+
 /** Parts of the method that a run can leave out, to measure what they bring. */
 struct WithoutParts {
     bool layers = false;           // clothes are painted on the skin
@@ -65,5 +68,9 @@ Result<ReconstructResult> reconstruct(const ReconstructOptions& options, Progres
  *  keypoints are there. Writes OUT/verdict.json, and the stages, which reconstruct() with the same `out` does not repeat. Returns the
  *  advice, lines of text. Errors as of reconstruct(). */
 Result<std::string> checkFilm(const ReconstructOptions& options, Progress& progress);
+
+/** Runs the stages before the training, unless they are up to date, and measures steps of the training. The output folder keeps the
+ *  stages. Errors as of reconstruct(). */
+Result<ProfiledTraining> profileTraining(const ReconstructOptions& options, const ProfiledSteps& steps, Progress& progress);
 
 }  // namespace dpl

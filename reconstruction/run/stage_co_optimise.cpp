@@ -18,6 +18,7 @@
 #include "reconstruction/training/correctives/corrective_model.h"
 #include "reconstruction/training/correctives/motion_model.h"
 #include "reconstruction/training/light/light_model.h"
+#include "reconstruction/training/trainer/profile_steps.h"
 #include "reconstruction/training/trainer/train_images.h"
 #include "sdk/avatar/stress_poses.h"
 #include "sdk/core/files.h"
@@ -98,6 +99,30 @@ Status train(CoOptimiseInput input, const RunSettings& settings, Jobs& jobs, Sta
     return writeTrainedFile(optimiser->result(), context.folder / kTrainedFile);
 }
 
+/** What is trained, from the artefacts that StageOf<Training> pulls. */
+Result<CoOptimiseInput> inputOfStage(StageInputs& in) {
+    DPL_TRY(const FrameTable* table, in.of<FrameTable>());
+    DPL_TRY(const RunSettings* settings, in.of<RunSettings>());
+    DPL_TRY(const FittedBody* body, in.of<FittedBody>());
+    DPL_TRY(const GarmentLayers* layers, in.of<GarmentLayers>());
+    (void)taskAt(0, "reading pictures");  // a stop is heard by the training, which leaves a checkpoint
+    DPL_TRY(FrameSet set, registeredFrames(in, Split::Train));
+    if (set.frames.empty()) return fail(Code::InvalidArgument, "no usable training frames");
+    DPL_TRY(CoOptimiseInput input, trainingInput(*body, *layers, settings->training.learnMotion, table->scan, std::move(set)));
+    if (settings->training.learnLight) {
+        DPL_TRY(const LightFit fit, findLight(input.joints, input.mesh, input.frames, in.jobs()));
+        input.light = fit.light;
+        if (!fit.light.empty())
+            in.progress().detail(formatText("light: brightness of moving surfaces strays by {} % before and {} % after it is known",
+                                            std::round(1e3 * fit.strayBefore) / 10, std::round(1e3 * fit.strayAfter) / 10));
+    }
+    DPL_TRY(const MovedStart start, startMovedColumn(input, in.jobs()));
+    if (start.views > 0)
+        in.progress().detail(formatText("outlines of {} moving pictures: overlap {} before and {} after clothes have moved", start.views,
+                                        std::round(1e3 * start.iouBefore) / 1e3, std::round(1e3 * start.iouAfter) / 1e3));
+    return input;
+}
+
 Result<CoOptimiseResult> readTrained(StageInputs& in, const std::filesystem::path& folder) {
     DPL_TRY(const FittedBody* body, in.of<FittedBody>());
     DPL_TRY(const GarmentLayers* layers, in.of<GarmentLayers>());
@@ -132,25 +157,9 @@ Status StageOf<Training>::make(StageInputs& in, StageContext& context) {
     if (readTrained(in, context.folder)) return dropCheckpoint();  // a run that was killed after its last file
     DPL_TRY(const FrameTable* table, in.of<FrameTable>());
     DPL_TRY(const RunSettings* settings, in.of<RunSettings>());
-    DPL_TRY(const FittedBody* body, in.of<FittedBody>());
-    DPL_TRY(const GarmentLayers* layers, in.of<GarmentLayers>());
     context.progress.detail(
         formatText("pictures at the size of a training level are kept up to {} MiB", CoOptimiseInput().levelBoundBytes >> 20));
-    (void)taskAt(0, "reading pictures");  // a stop is heard by the training, which leaves a checkpoint
-    DPL_TRY(FrameSet set, registeredFrames(in, Split::Train));
-    if (set.frames.empty()) return fail(Code::InvalidArgument, "no usable training frames");
-    DPL_TRY(CoOptimiseInput input, trainingInput(*body, *layers, settings->training.learnMotion, table->scan, std::move(set)));
-    if (settings->training.learnLight) {
-        DPL_TRY(const LightFit fit, findLight(input.joints, input.mesh, input.frames, in.jobs()));
-        input.light = fit.light;
-        if (!fit.light.empty())
-            context.progress.detail(formatText("light: brightness of moving surfaces strays by {} % before and {} % after it is known",
-                                               std::round(1e3 * fit.strayBefore) / 10, std::round(1e3 * fit.strayAfter) / 10));
-    }
-    DPL_TRY(const MovedStart start, startMovedColumn(input, in.jobs()));
-    if (start.views > 0)
-        context.progress.detail(formatText("outlines of {} moving pictures: overlap {} before and {} after clothes have moved", start.views,
-                                           std::round(1e3 * start.iouBefore) / 1e3, std::round(1e3 * start.iouAfter) / 1e3));
+    DPL_TRY(CoOptimiseInput input, inputOfStage(in));
     TrainingShown shown(context.progress.news(), input);
     shown.heldBack(*table);
     DPL_RETURN_IF_ERROR(train(std::move(input), *settings, in.jobs(), context, std::move(shown)));
@@ -167,6 +176,18 @@ Result<std::string> StageOf<Training>::keyAfter(StageInputs& in, const std::file
     DPL_TRY(const RunSettings* settings, in.of<RunSettings>());
     if (!(settings->timeBudgetMinutes > 0)) return key;
     return hashText(key + " " + std::to_string(stepsTaken(*settings, folder)));
+}
+
+Status StageOf<ProfiledTraining>::inputs(StageInputs& in) {
+    DPL_TRY([[maybe_unused]] const ProfiledSteps* steps, in.part<ProfiledSteps>());
+    return StageOf<Training>::inputs(in);
+}
+
+Result<ProfiledTraining> StageOf<ProfiledTraining>::compute(StageInputs& in) {
+    DPL_TRY(const ProfiledSteps* steps, in.of<ProfiledSteps>());
+    DPL_TRY(const RunSettings* settings, in.of<RunSettings>());
+    DPL_TRY(CoOptimiseInput input, inputOfStage(in));
+    return profileSteps(std::move(input), settings->training, *steps, in.jobs());
 }
 
 Status StageOf<SettingsAfterTraining>::inputs(StageInputs& in) {

@@ -5,7 +5,7 @@
 #include "reconstruction/run/frame_table.h"
 #include "reconstruction/run/graph.h"
 #include "reconstruction/run/preset.h"
-#include "reconstruction/training/trainer/co_optimise.h"
+#include "reconstruction/training/trainer/profile_steps.h"
 
 namespace dpl {
 
@@ -16,7 +16,7 @@ struct Training {
 
 template <>
 struct StageOf<Training> {
-    static constexpr StageName kName{"co-optimise", 21};
+    static constexpr StageName kName{"co-optimise", 22};
     static constexpr const char* kPriors[] = {"input/cameras",        "input/capture",  "subject/garments", "subject/surface",
                                               "training/correctives", "training/light", "training/trainer"};
     static Status inputs(StageInputs& in);
@@ -24,6 +24,21 @@ struct StageOf<Training> {
     static Result<Training> read(StageInputs& in, const std::filesystem::path& folder);
     /** With a time budget the number of steps is a result, and another run may have fitted in other steps. */
     static Result<std::string> keyAfter(StageInputs& in, const std::filesystem::path& folder, const std::string& key);
+};
+
+/** How many steps of the training to measure; given to the run with put(). */
+template <>
+struct StageOf<ProfiledSteps> {
+    static constexpr StageName kName{"profiled-steps", 1};
+    static Status inputs(StageInputs&) { return fail(Code::Internal, "nobody said how many steps to measure"); }
+};
+
+/** The speed of the training that the run would do. Nothing is trained on. */
+template <>
+struct StageOf<ProfiledTraining> {
+    static constexpr StageName kName{"profile-training", 1};
+    static Status inputs(StageInputs& in);
+    static Result<ProfiledTraining> compute(StageInputs& in);
 };
 
 /** The settings with the number of steps that training took. */

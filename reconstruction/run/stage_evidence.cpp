@@ -16,6 +16,7 @@
 #include "reconstruction/run/stage_co_optimise.h"
 #include "reconstruction/run/stage_ingest.h"
 #include "reconstruction/run/stage_register.h"
+#include "reconstruction/training/trainer/pose_fitter.h"
 #include "sdk/core/evenly_spaced.h"
 #include "sdk/core/files.h"
 
@@ -91,19 +92,21 @@ public:
             const TaskPart part(0, 0.5);
             DPL_TRY(avatar, trainedOn(std::move(avatar), parts, assembled_, settings_, jobs_));
         }
-        const TaskPart scoring(0.5, 1);
         DPL_TRY(const auto bytes, writeAvatar(avatar, {}));
         DPL_TRY(const AvatarData decoded, readAvatar(bytes));
+        std::vector<std::optional<PoseFitResult>> fits(jury_.frames.size());
+        if (jury_.registered) {
+            const TaskPart fitting(0.5, 0.8);
+            DPL_TRY(fits, PoseFitter(decoded, jobs_).fitAll(jury_.frames, settings_.poseFit, jobs_));
+        }
+        const TaskPart scoring(0.8, 1);
         DPL_TRY(auto view, AvatarView::open(bytes, jobs_.threadCount()));
         JuryScore sum;
         Mean psnrDb, detail, closeDetail;
         for (size_t i = 0; i < jury_.frames.size(); ++i) {
             const TrainFrame& frame = jury_.frames[i];
             DPL_RETURN_IF_ERROR(taskAt(double(i) / double(jury_.frames.size()), frame.name));
-            Pose pose = frame.pose;
-            if (jury_.registered)
-                if (auto fitted = fitPose(decoded, frame, settings_.poseFit, jobs_)) pose = fitted->pose;
-            DPL_TRY(const auto picture, view.draw(pose, frame.camera));
+            DPL_TRY(const auto picture, view.draw(fits[i] ? fits[i]->pose : frame.pose, frame.camera));
             DPL_TRY(const auto shown, frame.picture.get());
             const auto truth = cutOut(shown->image, shown->mask);
             const uint32_t width = frame.camera.widthPx, height = frame.camera.heightPx;

@@ -8,7 +8,7 @@
 #include "reconstruction/run/stage_ingest.h"
 #include "reconstruction/run/stage_package.h"
 #include "reconstruction/run/stage_register.h"
-#include "reconstruction/training/trainer/polish.h"
+#include "reconstruction/training/trainer/pose_fitter.h"
 #include "sdk/core/files.h"
 #include "sdk/format/avatar_file.h"
 
@@ -59,20 +59,19 @@ Status StageOf<FoundPoses>::make(StageInputs& in, StageContext& context) {
     if (!scan.metricWorld) poses.metresPerUnit = body->fit.metresPerUnit;
     const std::vector<Pose> found =
         posesAfterTraining(*table, registered->poses.poses, training->result, avatar.correctives.motion, HeldOut::Known);
-    size_t judged = 0, done = 0;
-    for (const ScanFrame& frame : scan.frames) judged += frame.split != Split::Train;
+    std::vector<size_t> rows;  // that are judged
+    std::vector<TrainFrame> judged;
     for (size_t row = 0; row < table->rows(); ++row) {
         const ScanFrame& frame = scan.frames[row];
-        FramePose entry{frame.name, frame.kind, frame.split, found[row], std::nullopt};
-        if (frame.split != Split::Train) {
-            DPL_RETURN_IF_ERROR(taskAt(double(done++) / double(judged), frame.name));
-            TrainFrame shown = table->frame(row, metric->cameras[row], entry.pose);
-            shown.precision = registered->precisions[row];
-            // A frame whose picture cannot be used keeps its carried pose.
-            if (auto fitted = fitPose(avatar, shown, after->settings.poseFit, in.jobs())) entry.fittedPose = fitted->pose;
-        }
-        poses.frames.push_back(std::move(entry));
+        poses.frames.push_back({frame.name, frame.kind, frame.split, found[row], std::nullopt});
+        if (frame.split == Split::Train) continue;
+        rows.push_back(row);
+        judged.push_back(table->frame(row, metric->cameras[row], found[row]));
+        judged.back().precision = registered->precisions[row];
     }
+    DPL_TRY(const auto fits, PoseFitter(avatar, in.jobs()).fitAll(judged, after->settings.poseFit, in.jobs()));
+    for (size_t i = 0; i < rows.size(); ++i)  // a frame whose picture cannot be used keeps its carried pose
+        if (fits[i]) poses.frames[rows[i]].fittedPose = fits[i]->pose;
     return writeFileAtomically(context.folder / "poses.json", posesToJson(poses));
 }
 

@@ -106,6 +106,20 @@ void restTriangles(const MeshData& mesh, Jobs& jobs, std::vector<RestTriangle<fl
     });
 }
 
+namespace {
+
+/** Whether the stretch of the plane lies within the bounds of boundedPlane() by more than rounding: then drawnTriangle() is poseTriangle(),
+ *  at half the cost. By the singular values of F. */
+bool clearlyWithinBounds(const RestInverse<float>& rest, const Vec3f& v0, const Vec3f& v1, const Vec3f& v2) {
+    constexpr float kMargin = 1e-3f, kHigh = float(kStretchHigh) - kMargin, kLow = float(kStretchLow) + kMargin;
+    const Vec3f d1 = v1 - v0, d2 = v2 - v0, f0 = rest.i00 * d1, f1 = rest.i01 * d1 + rest.i11 * d2;
+    const float a = glm::dot(f0, f0), b = glm::dot(f0, f1), c = glm::dot(f1, f1);
+    const float mean = 0.5f * (a + c), gap = std::sqrt(0.25f * (a - c) * (a - c) + b * b);
+    return mean + gap < kHigh * kHigh && mean - gap > kLow * kLow;
+}
+
+}  // namespace
+
 void poseTriangles(const MeshData& mesh, const TrianglesAtRest& rest, std::span<const Vec3f> positions, Jobs& jobs,
                    std::vector<TriangleFrame<float>>& frames, std::span<const float> light) {
     frames.resize(mesh.triangles.size());
@@ -114,7 +128,11 @@ void poseTriangles(const MeshData& mesh, const TrianglesAtRest& rest, std::span<
             const Triangle& corner = mesh.triangles[t];
             const Vec3f &v0 = positions[corner.x], &v1 = positions[corner.y], &v2 = positions[corner.z];
             const RestTriangle<float> bind = rest.bind.empty() ? restTriangleOf(mesh, t) : rest.bind[t];
-            frames[t] = rest.now.empty() ? drawnTriangle(bind, v0, v1, v2) : drawnTriangle(bind, rest.now[t], v0, v1, v2);
+            const RestTriangle<float>& now = rest.now.empty() ? bind : rest.now[t];
+            if (clearlyWithinBounds(now.valid ? now.inverse : bind.inverse, v0, v1, v2))
+                frames[t] = poseTriangle(bind, v0, v1, v2);
+            else
+                frames[t] = rest.now.empty() ? drawnTriangle(bind, v0, v1, v2) : drawnTriangle(bind, rest.now[t], v0, v1, v2);
             if (!light.empty()) frames[t].light = {light[corner.x], light[corner.y], light[corner.z]};
         }
     };

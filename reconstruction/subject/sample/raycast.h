@@ -8,6 +8,7 @@
 #include <optional>
 #include <vector>
 
+#include "reconstruction/subject/sample/scan_writer.h"
 #include "reconstruction/subject/sample/subject.h"
 #include "sdk/math/camera.h"
 
@@ -19,6 +20,9 @@ struct RaycastOptions {
     double gain = 1;               // exposure: factor of the light
     uint64_t seed = 1;
 };
+
+/** The rays of one frame of a sample scan. */
+RaycastOptions sampleRays(const SampleScanOptions& scan, size_t frame);
 
 struct RaycastFrame {
     std::vector<uint8_t> rgb;     // w·h·3, sRGB

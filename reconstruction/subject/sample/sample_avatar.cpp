@@ -25,11 +25,6 @@ constexpr uint32_t kLightSamples = 24, kContrastLightSamples = 4;
 constexpr double kFramesPerSecond = 30;
 constexpr double kMovesS = 18.75, kWalkS = 1.1;
 
-Quatf rotationOf(const Vec3d& axisAngle) {
-    const double angle = glm::length(axisAngle);
-    return angle > 1e-12 ? Quatf(glm::angleAxis(angle, axisAngle / angle)) : Quatf(1, 0, 0, 0);
-}
-
 /** A clip of `count` keys at 30 Hz; joints that never turn have no channel. */
 template <class PoseAt>
 ClipData keyed(std::string name, size_t count, double stepS, const PoseAt& poseAt) {
@@ -38,10 +33,10 @@ ClipData keyed(std::string name, size_t count, double stepS, const PoseAt& poseA
     clip.channels.resize(kBuiltinJointCount);
     for (uint32_t j = 0; j < kBuiltinJointCount; ++j) clip.channels[j].joint = j;
     for (size_t i = 0; i < count; ++i) {
-        const TruthPose pose = poseAt(double(i) * stepS);
+        const Pose pose = poseOf(poseAt(double(i) * stepS));
         clip.timesS.push_back(float(double(i) * stepS));
-        clip.rootTranslations.push_back(Vec3f(pose.translation));
-        for (uint32_t j = 0; j < kBuiltinJointCount; ++j) clip.channels[j].rotations.push_back(rotationOf(pose.rotations[j]));
+        clip.rootTranslations.push_back(pose.rootTranslation);
+        for (uint32_t j = 0; j < kBuiltinJointCount; ++j) clip.channels[j].rotations.push_back(pose.localRotations[j]);
     }
     std::erase_if(clip.channels, [](const ClipChannel& channel) {
         return std::all_of(channel.rotations.begin(), channel.rotations.end(), [](const Quatf& q) { return q.w > 1 - 1e-9f; });

@@ -91,11 +91,7 @@ Status writeFrame(const fs::path& folder, const Subject& subject, const PlannedF
     const std::vector<Vec3d> vertices = poseSubject(subject, frame.pose, frame.kind == FrameKind::Dynamic ? &frame.lag : nullptr);
     keypoints = keypointsWorld(subject, frame.pose, vertices);
     tracer.setVertices(vertices);
-    RaycastOptions ray;
-    ray.samplesPerPixel = o.samplesPerPixel;
-    ray.sensorNoise = o.sensorNoise;
-    ray.seed = mixBits(o.seed ^ mixBits(index));
-    ray.gain = std::exp(o.exposureSpread * Random(o.seed, 90000 + index).normal());
+    const RaycastOptions ray = sampleRays(o, index);
     const RaycastFrame picture = tracer.render(frame.camera, ray);
     DPL_RETURN_IF_ERROR(writeColours(folder / "images" / (frame.name + ".jpg"), picture, o.widthPx, o.heightPx, o.jpegQuality));
     DPL_RETURN_IF_ERROR(writeGrey(folder / "masks" / (frame.name + ".png"), picture.mask, o.widthPx, o.heightPx));
@@ -146,6 +142,15 @@ Status writeAll(const fs::path& folder, const SampleScanOptions& o, Jobs& jobs) 
 }
 
 }  // namespace
+
+RaycastOptions sampleRays(const SampleScanOptions& scan, size_t frame) {
+    RaycastOptions rays;
+    rays.samplesPerPixel = scan.samplesPerPixel;
+    rays.sensorNoise = scan.sensorNoise;
+    rays.seed = mixBits(scan.seed ^ mixBits(frame));
+    rays.gain = std::exp(scan.exposureSpread * Random(scan.seed, 90000 + frame).normal());
+    return rays;
+}
 
 Status makeSampleScan(const fs::path& folder, const SampleScanOptions& o, Jobs& jobs) {
     if (o.widthPx < 16 || o.heightPx < 16 || o.widthPx > kMaxSidePx || o.heightPx > kMaxSidePx)

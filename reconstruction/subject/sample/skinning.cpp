@@ -18,6 +18,16 @@ Mat3d rotationOf(const Vec3d& axisAngle) {
 
 }  // namespace
 
+Pose poseOf(const TruthPose& pose) {
+    Pose out;
+    for (const Vec3d& axisAngle : pose.rotations) {
+        const double angle = glm::length(axisAngle);
+        out.localRotations.push_back(angle > 1e-12 ? Quatf(glm::angleAxis(angle, axisAngle / angle)) : Quatf(1, 0, 0, 0));
+    }
+    out.rootTranslation = Vec3f(pose.translation);
+    return out;
+}
+
 std::vector<Mat3x4d> truthTransforms(const std::vector<JointData>& joints, const TruthPose& pose) {
     std::vector<Mat3x4d> global(joints.size());
     for (size_t j = 0; j < joints.size(); ++j) {

@@ -5,6 +5,7 @@
 
 #include <vector>
 
+#include "sdk/avatar/rig.h"
 #include "sdk/format/avatar_data.h"
 #include "sdk/math/skinning.h"
 
@@ -15,6 +16,9 @@ struct TruthPose {
     std::vector<Vec3d> rotations;
     Vec3d translation{0};
 };
+
+/** The same pose as the SDK poses it. */
+Pose poseOf(const TruthPose& pose);
 
 /** worldFromRest of each joint: G_j of docs/formats/scan.md. */
 std::vector<Mat3x4d> truthTransforms(const std::vector<JointData>& joints, const TruthPose& pose);

@@ -4,44 +4,12 @@
 #include <algorithm>
 #include <numeric>
 
+#include "reconstruction/subject/shape/closest_leaf.h"
+
 namespace dpl {
 namespace {
 
-constexpr uint32_t kLeaf = 6;  // triangles of a leaf
-
-/** Barycentric coordinates of the point of triangle abc that is closest to p, by the Voronoi regions of its features (Ericson 2005,
- *  Real-Time Collision Detection, 5.1.5). */
-Vec3f closestOnTriangle(const Vec3f& p, const Vec3f& a, const Vec3f& b, const Vec3f& c) {
-    const Vec3f ab = b - a, ac = c - a, ap = p - a;
-    const float d1 = glm::dot(ab, ap), d2 = glm::dot(ac, ap);
-    if (d1 <= 0 && d2 <= 0) return {1, 0, 0};
-    const Vec3f bp = p - b;
-    const float d3 = glm::dot(ab, bp), d4 = glm::dot(ac, bp);
-    if (d3 >= 0 && d4 <= d3) return {0, 1, 0};
-    const float vc = d1 * d4 - d3 * d2;
-    if (vc <= 0 && d1 >= 0 && d3 <= 0) {
-        const float v = d1 / (d1 - d3);
-        return {1 - v, v, 0};
-    }
-    const Vec3f cp = p - c;
-    const float d5 = glm::dot(ab, cp), d6 = glm::dot(ac, cp);
-    if (d6 >= 0 && d5 <= d6) return {0, 0, 1};
-    const float vb = d5 * d2 - d1 * d6;
-    if (vb <= 0 && d2 >= 0 && d6 <= 0) {
-        const float w = d2 / (d2 - d6);
-        return {1 - w, 0, w};
-    }
-    const float va = d3 * d6 - d5 * d4;
-    if (va <= 0 && d4 - d3 >= 0 && d5 - d6 >= 0) {
-        const float w = (d4 - d3) / ((d4 - d3) + (d5 - d6));
-        return {0, 1 - w, w};
-    }
-    const float sum = va + vb + vc;
-    if (!(sum > 0)) return {1, 0, 0};  // a triangle without area; its corner is near enough
-    return {va / sum, vb / sum, vc / sum};
-}
-
-float distance2ToBox(const Vec3f& p, const Vec3f& low, const Vec3f& high) {
+inline float distance2ToBox(const Vec3f& p, const Vec3f& low, const Vec3f& high) {
     const Vec3f d = glm::max(glm::max(low - p, p - high), Vec3f(0));
     return glm::dot(d, d);
 }
@@ -98,7 +66,7 @@ void ClosestSurface::build(uint32_t node, uint32_t first, uint32_t count, const 
         centreLow = glm::min(centreLow, centres[order_[i]]), centreHigh = glm::max(centreHigh, centres[order_[i]]);
     }
     nodes_[node].low = low, nodes_[node].high = high;
-    if (count <= kLeaf) {
+    if (count <= kLeafTriangles) {
         nodes_[node].first = first, nodes_[node].count = count;
         return;
     }
@@ -134,18 +102,26 @@ SurfacePoint ClosestSurface::search(const Vec3f& point, float reachM, Accept acc
             stack[top++] = firstNearer ? std::pair(node.first, d0) : std::pair(node.first + 1, d1);
             continue;
         }
-        for (uint32_t i = node.first; i < node.first + node.count; ++i) {
-            const uint32_t id = order_[i];
-            if (!accept(id)) continue;
-            const Vec3f a = positions_[triangles_[id].x], b = positions_[triangles_[id].y], c = positions_[triangles_[id].z];
-            const Vec3f w = closestOnTriangle(point, a, b, c), at = w.x * a + w.y * b + w.z * c, d = at - point;
-            const float d2 = glm::dot(d, d);
-            if (d2 > best2 || (d2 == best2 && id > best.triangle)) continue;
+        ClosestLeaf leaf;
+        for (uint32_t k = 0; k < node.count; ++k)
+            for (int c = 0; c < 3; ++c) {
+                const Vec3f& at = positions_[triangles_[order_[node.first + k]][c]];
+                leaf.corner[c][0][k] = at.x, leaf.corner[c][1][k] = at.y, leaf.corner[c][2][k] = at.z;
+            }
+        LeafPoints points;
+        closestInLeaf(leaf, point, points);
+        for (uint32_t k = 0; k < node.count; ++k) {
+            const float d2 = points.distance2[k];
+            const uint32_t id = order_[node.first + k];
+            if (!(d2 <= best2) || (d2 == best2 && id > best.triangle) || !accept(id)) continue;
             best2 = d2;
-            best.triangle = id, best.barycentric = w, best.position = at;
+            best.triangle = id, best.barycentric = {points.weight[0][k], points.weight[1][k], points.weight[2][k]};
         }
     }
-    if (best.found()) best.distanceM = std::sqrt(best2);
+    if (!best.found()) return best;
+    const Triangle& t = triangles_[best.triangle];
+    best.position = best.barycentric.x * positions_[t.x] + best.barycentric.y * positions_[t.y] + best.barycentric.z * positions_[t.z];
+    best.distanceM = std::sqrt(best2);
     return best;
 }
 

@@ -14,22 +14,25 @@ namespace dpl {
 namespace HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
-/** Updates one row. Each array has `stride` numbers, a multiple of the vector's length. */
-void adamRow(const AdamRow& row) {
-    const float *gradient = row.gradient, *rate = row.rate;
-    float *first = row.first, *second = row.second, *value = row.value;
+/** Updates the active rows of [begin, end). */
+void adamRows(const AdamRange& r) {
     const hn::CappedTag<float, 8> d;
     const auto b1 = hn::Set(d, kAdamBeta1), b2 = hn::Set(d, kAdamBeta2), r1 = hn::Set(d, 1 - kAdamBeta1), r2 = hn::Set(d, 1 - kAdamBeta2);
     // Losses are means over a picture, so gradients are around 1e-7. ε must be far smaller.
-    const auto c1 = hn::Set(d, row.correction1), c2 = hn::Set(d, row.correction2), epsilon = hn::Set(d, 1e-15f);
-    for (size_t i = 0; i < row.stride; i += hn::Lanes(d)) {
-        const auto g = hn::LoadU(d, gradient + i);
-        const auto m = hn::MulAdd(b1, hn::LoadU(d, first + i), hn::Mul(r1, g));
-        const auto v = hn::MulAdd(b2, hn::LoadU(d, second + i), hn::Mul(r2, hn::Mul(g, g)));
-        hn::StoreU(m, d, first + i);
-        hn::StoreU(v, d, second + i);
-        const auto step = hn::Div(hn::Mul(m, c1), hn::Add(hn::Sqrt(hn::Mul(v, c2)), epsilon));
-        hn::StoreU(hn::NegMulAdd(hn::LoadU(d, rate + i), step, hn::LoadU(d, value + i)), d, value + i);
+    const auto epsilon = hn::Set(d, 1e-15f);
+    for (size_t i = r.begin; i < r.end; ++i) {
+        if (!r.active[i]) continue;
+        const uint32_t step = std::min(++r.steps[i], kLastCorrection);
+        const auto c1 = hn::Set(d, r.correction1[step]), c2 = hn::Set(d, r.correction2[step]);
+        for (size_t at = i * r.stride; at < (i + 1) * r.stride; at += hn::Lanes(d)) {
+            const auto g = hn::LoadU(d, r.gradients + at);
+            const auto m = hn::MulAdd(b1, hn::LoadU(d, r.first + at), hn::Mul(r1, g));
+            const auto v = hn::MulAdd(b2, hn::LoadU(d, r.second + at), hn::Mul(r2, hn::Mul(g, g)));
+            hn::StoreU(m, d, r.first + at);
+            hn::StoreU(v, d, r.second + at);
+            const auto change = hn::Div(hn::Mul(m, c1), hn::Add(hn::Sqrt(hn::Mul(v, c2)), epsilon));
+            hn::StoreU(hn::NegMulAdd(hn::LoadU(d, r.rate + at - i * r.stride), change, hn::LoadU(d, r.values + at)), d, r.values + at);
+        }
     }
 }
 
@@ -39,12 +42,21 @@ HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
 namespace dpl {
-HWY_EXPORT(adamRow);
+HWY_EXPORT(adamRows);
 
 namespace {
+
 float correction(float beta, uint32_t steps) {
-    return steps > 20000 ? 1.0f : float(1 / (1 - std::pow(double(beta), double(steps))));
+    return steps >= kLastCorrection ? 1.0f : float(1 / (1 - std::pow(double(beta), double(steps))));
 }
+
+/** By the number of steps. */
+std::vector<float> corrections(float beta) {
+    std::vector<float> table(kLastCorrection + 1, 1.0f);
+    for (uint32_t n = 1; n <= kLastCorrection; ++n) table[n] = correction(beta, n);
+    return table;
+}
+
 }  // namespace
 
 void AdamRows::resize(size_t count, uint32_t rowStride) {
@@ -56,25 +68,10 @@ void AdamRows::resize(size_t count, uint32_t rowStride) {
 
 void AdamRows::update(size_t begin, size_t end, std::span<const uint8_t> active, std::span<const float> gradients,
                       std::span<const float> rate, std::span<float> values) {
-    constexpr uint32_t kTable = 4096;  // steps with a tabled correction; later the first is 1 and the second is computed
-    static const std::vector<float> first1 = [] {
-        std::vector<float> t(kTable, 1.0f);
-        for (uint32_t n = 1; n < kTable; ++n) t[n] = correction(kAdamBeta1, n);
-        return t;
-    }();
-    static const std::vector<float> first2 = [] {
-        std::vector<float> t(kTable, 1.0f);
-        for (uint32_t n = 1; n < kTable; ++n) t[n] = correction(kAdamBeta2, n);
-        return t;
-    }();
-    for (size_t i = begin; i < end; ++i) {
-        if (!active[i]) continue;
-        const uint32_t n = ++steps[i];
-        const size_t at = i * stride;
-        const float correction1 = n < kTable ? first1[n] : 1.0f, correction2 = n < kTable ? first2[n] : correction(kAdamBeta2, n);
-        HWY_DYNAMIC_DISPATCH(adamRow)
-        ({stride, gradients.data() + at, rate.data(), correction1, correction2, first.data() + at, second.data() + at, values.data() + at});
-    }
+    static const std::vector<float> correction1 = corrections(kAdamBeta1), correction2 = corrections(kAdamBeta2);
+    HWY_DYNAMIC_DISPATCH(adamRows)
+    ({begin, end, stride, active.data(), gradients.data(), rate.data(), correction1.data(), correction2.data(), steps.data(), first.data(),
+      second.data(), values.data()});
 }
 
 void AdamUniform::update(std::span<const Vec3f> gradient, float rate, std::span<Vec3f> value) {

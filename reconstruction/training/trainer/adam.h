@@ -28,12 +28,17 @@ struct AdamRows {
                 std::span<float> values);
 };
 
-/** One row of AdamRows, as its vector code takes it. */
-struct AdamRow {
-    size_t stride;
-    const float *gradient, *rate;
-    float correction1, correction2;  // undo the bias of the two moments
-    float *first, *second, *value;
+/** From so many steps on, the bias of the moments is below the rounding of a float. */
+constexpr uint32_t kLastCorrection = 20001;
+
+/** Rows of AdamRows, as their vector code takes them. */
+struct AdamRange {
+    size_t begin, end, stride;
+    const uint8_t* active;
+    const float *gradients, *rate;
+    const float *correction1, *correction2;  // by the number of steps: undo the bias of the two moments
+    uint32_t* steps;
+    float *first, *second, *values;
 };
 
 /** Adam with the step m̂/(ε + max√v̂). The maximum is taken over all coordinates, so the step keeps the direction of m̂. */

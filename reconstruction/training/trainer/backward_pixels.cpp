@@ -18,12 +18,15 @@ namespace dpl {
 
 constexpr int kTile = int(kTileSizePx), kTilePixels = kTile * kTile;
 
-/** Inputs and running state of one tile, small enough for the first-level cache. Pixels outside the image have stop 0. */
+/** Inputs and running state of one tile, small enough for the first-level cache. Pixels outside the image have stop 0. Arrays of two are
+ * for splats of the body and of cloth. */
 struct alignas(64) TileState {
-    float red[kTilePixels], green[kTilePixels], blue[kTilePixels], cloth[kTilePixels], alpha[kTilePixels];  // gradients
+    float red[kTilePixels], green[kTilePixels], blue[kTilePixels];  // gradients
+    float cover[2][kTilePixels];                                    // gradient on alpha, for cloth with that on its share
+    float colourShare[2][kTilePixels];
     float transmittance[kTilePixels], rest[kTilePixels];
-    float colourShare[2][kTilePixels];  // of splats of the body, of cloth
-    int32_t stop[kTilePixels];          // number of entries that the pixel blended
+    int32_t stop[kTilePixels];  // number of entries that the pixel blended
+    int32_t rowStop[kTile];     // the largest of a row
 };
 
 }  // namespace dpl
@@ -34,67 +37,67 @@ namespace dpl {
 namespace HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
-using D = hn::CappedTag<float, 16>;
-using V = hn::Vec<D>;
+constexpr float kLog2E = 1.44269504f;
+constexpr float kLog2MinAlpha = -7.99435344f;  // log2(1/255)
 
-/** exp(x) for x in [-20, 0], as 2^(i+f) with a degree-6 polynomial on f in [-½, ½]. Relative error below 2e-7. */
-HWY_INLINE V expNegative(D d, V x) {
+/** 2^p for p in [-126, 127], as the blend computes it: what it drew is what this replays. */
+template <class D, class V = hn::Vec<D>>
+HWY_INLINE V exp2Of(D d, V p) {
     const hn::RebindToSigned<D> di;
-    const V t = hn::Max(hn::Mul(x, hn::Set(d, 1.44269504088896f)), hn::Set(d, -126.0f));
-    const V whole = hn::Round(t);
-    const V f = hn::Sub(t, whole);
-    V p = hn::Set(d, 1.5403530e-4f);
-    p = hn::MulAdd(p, f, hn::Set(d, 1.3333558e-3f));
-    p = hn::MulAdd(p, f, hn::Set(d, 9.6181291e-3f));
-    p = hn::MulAdd(p, f, hn::Set(d, 5.5504109e-2f));
-    p = hn::MulAdd(p, f, hn::Set(d, 0.24022651f));
-    p = hn::MulAdd(p, f, hn::Set(d, 0.69314718f));
-    p = hn::MulAdd(p, f, hn::Set(d, 1.0f));
-    const auto exponent = hn::ShiftLeft<23>(hn::Add(hn::ConvertTo(di, whole), hn::Set(di, 127)));
-    return hn::Mul(p, hn::BitCast(d, exponent));
+    const auto whole = hn::NearestInt(p);
+    const V f = hn::Sub(p, hn::ConvertTo(d, whole));
+    V r = hn::MulAdd(f, hn::Set(d, 1.327647198e-03f), hn::Set(d, 9.675541334e-03f));
+    r = hn::MulAdd(r, f, hn::Set(d, 5.550713274e-02f));
+    r = hn::MulAdd(r, f, hn::Set(d, 2.402211972e-01f));
+    r = hn::MulAdd(r, f, hn::Set(d, 6.931469671e-01f));
+    r = hn::MulAdd(r, f, hn::Set(d, 1.0f));
+    return hn::BitCast(d, hn::Add(hn::BitCast(di, r), hn::ShiftLeft<23>(whole)));
 }
 
-/** Replays entry `index` of the tile over the rows and columns that its box touches. originX, originY: centre of the tile's first pixel. */
-HWY_INLINE void replayEntry(TileState& tile, const ProjectedSplat& p, int32_t index, float originX, float originY, EntrySums& out) {
-    const D d;
+/** A splat in the tile: its centre, from that of the tile's first pixel, and the part of its box inside, in pixel indices; last included.
+ */
+struct EntryPlace {
+    float x, y;
+    int x0, x1, y0, y1;
+};
+
+/** Replays entry `index` of the tile over the rows and columns of its box, which is not empty. A row is kVectors vectors of D. */
+template <int kVectors, class D>
+HWY_INLINE void replayEntry(D d, TileState& tile, const ProjectedSplat& p, int32_t index, const EntryPlace& place, EntrySums& out) {
+    using V = hn::Vec<D>;
     const hn::RebindToSigned<D> di;
     constexpr int lanes = int(hn::MaxLanes(D()));
     const V zero = hn::Zero(d);
     V s = zero, sx = zero, sy = zero, sxx = zero, sxy = zero, syy = zero, red = zero, green = zero, blue = zero, weight = zero;
-
-    // The splat's box in pixel indices of the tile.
-    const float relX = p.x - originX, relY = p.y - originY;
-    const int x0 = int(std::max(0.0f, std::ceil(relX - p.radiusX))), x1 = int(std::min(float(kTile - 1), std::floor(relX + p.radiusX)));
-    const int y0 = int(std::max(0.0f, std::ceil(relY - p.radiusY))), y1 = int(std::min(float(kTile - 1), std::floor(relY + p.radiusY)));
-    if (x1 < x0 || y1 < y0) return;
-    const int vectors = (x1 - x0) / lanes + 1;
-    const int start = std::min(x0, kTile - vectors * lanes);
-
-    const V ratio = hn::Set(d, p.conicB / p.conicA);
-    const V halfA = hn::Set(d, -0.5f * p.conicA), opacity = hn::Set(d, p.opacity);
-    const V r = hn::Set(d, p.red), g = hn::Set(d, p.green), b = hn::Set(d, p.blue), cloth = hn::Set(d, p.cloth);
-    const V one = hn::Set(d, 1.0f), minAlpha = hn::Set(d, float(kMinAlpha)), maxAlpha = hn::Set(d, float(kMaxAlpha));
+    const int start = std::min(place.x0, kTile - kVectors * lanes);
+    const float slope = p.conicB / p.conicA, rowScale = -0.5f * kLog2E * p.inverseVarianceY;
+    const float logOpacity = 0.5f * kLog2E * p.inverseVarianceY * p.radiusY * p.radiusY + kLog2MinAlpha;  // as in the blend
+    const V scale = hn::Set(d, -0.5f * kLog2E * p.conicA);
+    const V r = hn::Set(d, p.red), g = hn::Set(d, p.green), b = hn::Set(d, p.blue);
+    const V one = hn::Set(d, 1.0f), logMin = hn::Set(d, kLog2MinAlpha), maxAlpha = hn::Set(d, float(kMaxAlpha));
     const auto entry = hn::Set(di, index);
-    const float* share = tile.colourShare[p.cloth > 0.5f];
+    const int kind = p.cloth > 0.5f;
+    const float *share = tile.colourShare[kind], *cover = tile.cover[kind];
+    V dx[kVectors];
+    for (int k = 0; k < kVectors; ++k) dx[k] = hn::Sub(hn::ConvertTo(d, hn::Iota(di, start + k * lanes)), hn::Set(d, place.x));
 
-    for (int y = y0; y <= y1; ++y) {
-        const float dyScalar = float(y) - relY;
-        const V dy = hn::Set(d, dyScalar);
-        const V rowPower = hn::Set(d, -0.5f * p.inverseVarianceY * dyScalar * dyScalar);
+    for (int y = place.y0; y <= place.y1; ++y) {
+        if (index >= tile.rowStop[y]) continue;
+        const float dyScalar = float(y) - place.y;
+        const V dy = hn::Set(d, dyScalar), shift = hn::Set(d, slope * dyScalar);
+        const V rowExponent = hn::Set(d, logOpacity + rowScale * dyScalar * dyScalar);
         V rowS = zero, rowX = zero, rowXx = zero;
-        for (int k = 0; k < vectors; ++k) {
-            const int x = start + k * lanes, at = y * kTile + x;
-            const V dx = hn::Sub(hn::ConvertTo(d, hn::Iota(di, x)), hn::Set(d, relX));
-            const V along = hn::MulAdd(ratio, dy, dx);
-            const V power = hn::MulAdd(halfA, hn::Mul(along, along), rowPower);
-            const V raw = hn::Mul(opacity, expNegative(d, power));
+        for (int k = 0; k < kVectors; ++k) {
+            const int at = y * kTile + start + k * lanes;
+            const V along = hn::Add(dx[k], shift);
+            const V exponent = hn::MulAdd(hn::Mul(along, along), scale, rowExponent);
             const auto live = hn::RebindMask(d, hn::Lt(entry, hn::LoadU(di, tile.stop + at)));
-            const auto mask = hn::And(hn::Ge(raw, minAlpha), live);
+            const auto mask = hn::And(hn::Ge(exponent, logMin), live);
+            const V raw = exp2Of(d, exponent);
             const V alpha = hn::IfThenElseZero(mask, hn::Min(raw, maxAlpha));
             const V t = hn::LoadU(d, tile.transmittance + at);
             const V gr = hn::LoadU(d, tile.red + at), gg = hn::LoadU(d, tile.green + at), gb = hn::LoadU(d, tile.blue + at);
-            V v = hn::MulAdd(cloth, hn::LoadU(d, tile.cloth + at), hn::LoadU(d, tile.alpha + at));
-            v = hn::MulAdd(gr, r, hn::MulAdd(gg, g, hn::MulAdd(gb, b, v)));
+            const V v = hn::MulAdd(gr, r, hn::MulAdd(gg, g, hn::MulAdd(gb, b, hn::LoadU(d, cover + at))));
             const V w = hn::Mul(alpha, t);
             const V rest = hn::NegMulAdd(w, v, hn::LoadU(d, tile.rest + at));
             const V through = hn::Sub(one, alpha);
@@ -106,16 +109,35 @@ HWY_INLINE void replayEntry(TileState& tile, const ProjectedSplat& p, int32_t in
             // g_σ = −α·g_α, and zero where α was capped.
             const V gSigma =
                 hn::IfThenElseZero(hn::And(mask, hn::Le(raw, maxAlpha)), hn::Sub(hn::Div(hn::Mul(alpha, rest), through), hn::Mul(w, v)));
-            const V gSigmaX = hn::Mul(gSigma, dx);
-            rowS = hn::Add(rowS, gSigma), rowX = hn::Add(rowX, gSigmaX), rowXx = hn::MulAdd(gSigmaX, dx, rowXx);
+            const V gSigmaX = hn::Mul(gSigma, dx[k]);
+            rowS = hn::Add(rowS, gSigma), rowX = hn::Add(rowX, gSigmaX), rowXx = hn::MulAdd(gSigmaX, dx[k], rowXx);
         }
         s = hn::Add(s, rowS), sx = hn::Add(sx, rowX), sxx = hn::Add(sxx, rowXx);
         const V rowY = hn::Mul(rowS, dy);
         sy = hn::Add(sy, rowY), syy = hn::MulAdd(rowY, dy, syy), sxy = hn::MulAdd(rowX, dy, sxy);
     }
     const auto sum = [d](V v) { return hn::GetLane(hn::SumOfLanes(d, v)); };
-    out.s = sum(s), out.sx = sum(sx), out.sy = sum(sy), out.sxx = sum(sxx), out.sxy = sum(sxy), out.syy = sum(syy);
-    out.red = sum(red), out.green = sum(green), out.blue = sum(blue), out.weight = sum(weight);
+    out = {sum(s), sum(sx), sum(sy), sum(sxx), sum(sxy), sum(syy), sum(red), sum(green), sum(blue), sum(weight), 0, 0};
+}
+
+/** Most splats are narrow. Half a row then costs half as much where a whole one is two vectors, or one that the processor splits. */
+HWY_INLINE void replayEntry(TileState& tile, const ProjectedSplat& p, int32_t index, float originX, float originY, EntrySums& out) {
+    using Half = hn::CappedTag<float, kTile / 2>;
+    using Whole = hn::CappedTag<float, kTile>;
+    constexpr int kHalf = kTile / 2 / int(hn::MaxLanes(Half())), kWhole = kTile / int(hn::MaxLanes(Whole()));
+    const float relX = p.x - originX, relY = p.y - originY;
+    const EntryPlace place{relX,
+                           relY,
+                           int(std::max(0.0f, std::ceil(relX - p.radiusX))),
+                           int(std::min(float(kTile - 1), std::floor(relX + p.radiusX))),
+                           int(std::max(0.0f, std::ceil(relY - p.radiusY))),
+                           int(std::min(float(kTile - 1), std::floor(relY + p.radiusY)))};
+    if (place.x1 < place.x0 || place.y1 < place.y0)
+        out = {};
+    else if (place.x1 - place.x0 < kTile / 2)
+        replayEntry<kHalf>(Half(), tile, p, index, place, out);
+    else
+        replayEntry<kWhole>(Whole(), tile, p, index, place, out);
 }
 
 void replayTile(TileState& tile, const ProjectedSplat* projected, const uint32_t* entries, uint32_t count, float originX, float originY,
@@ -142,46 +164,64 @@ void ImageGradient::resize(uint32_t width, uint32_t height, bool withCloth) {
     for (std::vector<float>* plane : {&cloth, &colourShare[0], &colourShare[1]}) plane->resize(withCloth ? count : 0, 1.0f);
 }
 
+namespace {
+
+/** Fills the tile at column x0 and row y0 of the picture. first: index of the tile's first entry. Returns the largest stop. */
+int32_t loadTile(const SplatImage& image, const ImageGradient& gradient, const uint32_t* stops, uint32_t first, size_t x0, size_t y0,
+                 TileState& tile) {
+    const bool withCloth = !gradient.cloth.empty() && !image.cloth.empty();
+    const size_t width = image.widthPx, columns = std::min<size_t>(kTile, width - x0), rows = std::min<size_t>(kTile, image.heightPx - y0);
+    if (columns < size_t(kTile) || rows < size_t(kTile)) std::memset(&tile, 0, sizeof tile);
+    std::fill_n(tile.transmittance, kTilePixels, 1.0f);
+    int32_t used = 0;
+    for (size_t y = 0; y < rows; ++y) {
+        const size_t at = y * kTile, pixel = (y0 + y) * width + x0;
+        const float* rgb = image.rgb.data() + pixel * 3;
+        std::copy_n(gradient.red.data() + pixel, columns, tile.red + at);
+        std::copy_n(gradient.green.data() + pixel, columns, tile.green + at);
+        std::copy_n(gradient.blue.data() + pixel, columns, tile.blue + at);
+        std::copy_n(gradient.alpha.data() + pixel, columns, tile.cover[0] + at);
+        for (size_t x = 0; x < columns; ++x)
+            tile.rest[at + x] = tile.red[at + x] * rgb[3 * x] + tile.green[at + x] * rgb[3 * x + 1] + tile.blue[at + x] * rgb[3 * x + 2] +
+                                tile.cover[0][at + x] * image.alpha[pixel + x];
+        for (size_t kind = 0; kind < 2; ++kind)
+            if (withCloth)
+                std::copy_n(gradient.colourShare[kind].data() + pixel, columns, tile.colourShare[kind] + at);
+            else
+                std::fill_n(tile.colourShare[kind] + at, columns, 1.0f);
+        for (size_t x = 0; x < columns; ++x) {
+            const float cloth = withCloth ? gradient.cloth[pixel + x] : 0.0f;
+            tile.cover[1][at + x] = tile.cover[0][at + x] + cloth;
+            if (withCloth) tile.rest[at + x] += cloth * image.cloth[pixel + x];
+        }
+        int32_t most = 0;
+        for (size_t x = 0; x < columns; ++x) {
+            const uint32_t stop = stops[pixel + x];
+            most = std::max(most, tile.stop[at + x] = stop > first ? int32_t(stop - first) : 0);
+        }
+        tile.rowStop[y] = most;
+        used = std::max(used, most);
+    }
+    return used;
+}
+
+}  // namespace
+
 void PixelBackward::run(const SplatEngine& engine, const SplatImage& image, const ImageGradient& gradient) {
     const TileLists& tiles = engine.tiles();
     const auto projected = engine.projected();
     const auto stops = engine.stops();
-    const size_t width = image.widthPx, height = image.heightPx;
-    const bool withCloth = !gradient.cloth.empty() && !image.cloth.empty();
     const size_t entryCount = tiles.offset.empty() ? 0 : tiles.offset.back();  // tiles.entries may be longer: it never shrinks
     entries_.resize(std::max(entries_.size(), entryCount));
     jobs_.forBlocks(size_t(tiles.columns) * tiles.rows, [&](size_t t, uint32_t) {
         const uint32_t first = tiles.offset[t], count = tiles.offset[t + 1] - first;
         if (count == 0) return;
-        std::memset(entries_.data() + first, 0, count * sizeof(EntrySums));
         TileState tile;
         const size_t x0 = t % tiles.columns * kTile, y0 = t / tiles.columns * kTile;
-        uint32_t used = 0;
-        for (size_t y = 0; y < size_t(kTile); ++y)
-            for (size_t x = 0; x < size_t(kTile); ++x) {
-                const size_t at = y * kTile + x;
-                tile.transmittance[at] = 1, tile.rest[at] = 0, tile.stop[at] = 0;
-                tile.red[at] = tile.green[at] = tile.blue[at] = tile.cloth[at] = tile.alpha[at] = 0;
-                tile.colourShare[0][at] = tile.colourShare[1][at] = 1;
-                if (x0 + x >= width || y0 + y >= height) continue;
-                const size_t pixel = (y0 + y) * width + x0 + x;
-                tile.red[at] = gradient.red[pixel], tile.green[at] = gradient.green[pixel], tile.blue[at] = gradient.blue[pixel];
-                tile.alpha[at] = gradient.alpha[pixel];
-                float rest = tile.red[at] * image.rgb[pixel * 3] + tile.green[at] * image.rgb[pixel * 3 + 1] +
-                             tile.blue[at] * image.rgb[pixel * 3 + 2] + tile.alpha[at] * image.alpha[pixel];
-                if (withCloth) {
-                    tile.cloth[at] = gradient.cloth[pixel];
-                    for (size_t kind = 0; kind < 2; ++kind) tile.colourShare[kind][at] = gradient.colourShare[kind][pixel];
-                    rest += tile.cloth[at] * image.cloth[pixel];
-                }
-                tile.rest[at] = rest;
-                const uint32_t stop = stops[pixel] > first ? stops[pixel] - first : 0;
-                tile.stop[at] = int32_t(stop);
-                used = std::max(used, stop);
-            }
+        const uint32_t used = std::min(count, uint32_t(loadTile(image, gradient, stops.data(), first, x0, y0, tile)));
         HWY_DYNAMIC_DISPATCH(replayTile)
-        (tile, projected.data(), tiles.entries.data() + first, std::min(used, count), float(x0) + 0.5f, float(y0) + 0.5f,
-         entries_.data() + first);
+        (tile, projected.data(), tiles.entries.data() + first, used, float(x0) + 0.5f, float(y0) + 0.5f, entries_.data() + first);
+        std::memset(static_cast<void*>(entries_.data() + first + used), 0, (count - used) * sizeof(EntrySums));
     });
 
     // Sums per splat in tile order. Each block owns a range of splats and reads the whole entry list, so the order of additions does

@@ -36,6 +36,7 @@ public:
     std::span<float> rowGradients() { return rowGradients_; }
     std::span<const float> rowGradients() const { return rowGradients_; }
     std::span<const uint8_t> active() const { return active_; }
+    std::span<uint8_t> active() { return active_; }
     /** |∂loss/∂(centre on the screen)| of each active splat, per pixel. */
     std::span<const float> screenGradientLength() const { return screenLength_; }
 

@@ -195,16 +195,23 @@ uint32_t CoOptimiser::State::frameOf(uint32_t atStep) {
     return order[atStep % usedFrames.size()];
 }
 
+void CoOptimiser::State::startProfile() {
+    pass.clock.times = {}, profile = {}, counts = true;
+}
+
 Status CoOptimiser::State::stepOnce() {
     const auto start = std::chrono::steady_clock::now();
+    StepClock& clock = pass.clock;
     LearnedLayer& layer = learned.layer;
     LossSums& sums = learned.sums;
     uint32_t& step = learned.step;
     const auto lastEpoch = uint32_t(std::min<size_t>(settings.steps, usedFrames.size()));
-    if (step + lastEpoch == settings.steps) pass.times = {}, profile = {};
+    if (step + lastEpoch == settings.steps) startProfile();
+    clock.start();
     DPL_RETURN_IF_ERROR(selectLevel());
     const uint32_t frame = frameOf(step);
     DPL_TRY(const LevelFrame* level, levels.at(frame));
+    clock.lap(StepPart::Picture);
     const TrainFrame& f = input.frames[frame];
     LossWeights weights = settings.loss;
     if (!settings.fullResolutionOnly && step < settings.steps / 4) weights.mask *= settings.earlyMaskFactor;
@@ -217,19 +224,10 @@ Status CoOptimiser::State::stepOnce() {
     const LossValues loss = pass.run(subject, learned.frames[frame].pose, *level, weights, background, geometry);
     if (!std::isfinite(loss.total)) return fail(Code::Internal, "training step {} (frame '{}'): the loss is not finite", step, f.name);
 
-    const auto update = std::chrono::steady_clock::now();
-    if (settings.learnSplats) updateSplats(frame, *level);
-    if (settings.learnPoses) updatePose(frame, *level, loss.total);
+    clock.start();
     if (geometry) pullGarments();
-    if (settings.learnGeometry) {
-        const auto& g = pass.restGradient();
-        for (size_t v = 0; v < g.size(); ++v) layer.restGradientSum[v] += g[v];
-        for (size_t v = 0; v < collisionGradient.size(); ++v) layer.restGradientSum[v] += collisionGradient[v];
-        if (layer.correctives.motion.empty())
-            for (size_t v = 0; v < stressGradient.size(); ++v) layer.restGradientSum[v] += stressGradient[v];
-        if (++layer.restGradientCount >= settings.geometryEvery) updateOffsets();
-    }
-    if (learnsCorrectives()) updateCorrectives();
+    clock.lap(StepPart::Collision);
+    updateAll(frame, *level, loss.total);
     sums.loss += loss.total, sums.l1 += loss.l1, sums.ssim += loss.ssim, sums.mask += loss.mask, ++sums.steps;
     sums.squaredError += loss.squaredError, sums.squaredCount += loss.squaredCount;
     ++step;
@@ -248,20 +246,49 @@ Status CoOptimiser::State::stepOnce() {
         learned.curve.push_back(recentPoint());
         sums = {};
     }
-    profile.updateMs += millisecondsSince(update), profile.stepMs += millisecondsSince(start), ++profile.steps;
-    if (step + lastEpoch > settings.steps)  // the time of counting is not in stepMs
-        profile.pairs += double(countPixelSplatPairs(pass.engine(), pass.image().widthPx, pass.image().heightPx));
+    clock.lap(StepPart::Density);
+    profile.stepMs += millisecondsSince(start), ++profile.steps;
+    if (counts) {  // the time of counting is not in stepMs
+        const SplatImage& image = pass.image();
+        profile.pairs += double(countPixelSplatPairs(pass.engine(), image.widthPx, image.heightPx));
+        profile.entries += pass.engine().tiles().offset.back(), profile.visible += pass.engine().visibleCount();
+        profile.pixels += double(image.widthPx) * image.heightPx;
+    }
     return {};
 }
 
-void CoOptimiser::State::updateSplats(uint32_t frame, const LevelFrame& level) {
-    SplatBackward& b = pass.splatBackward();
-    TrainableSplats& splats = learned.layer.splats;
-    DensityStatistics& statistics = learned.layer.statistics;
-    const bool counts = input.frames[frame].kind != FrameKind::Dynamic || onlyMoving;
-    const float halfHeight =
-        0.5f * float(level.camera.fy) / float(input.frames[frame].camera.fy) * float(input.frames[frame].camera.heightPx);
-    std::vector<float> rate(splats.stride, 0.0f);
+void CoOptimiser::State::updateAll(uint32_t frame, const LevelFrame& level, double loss) {
+    constexpr size_t kAlone = 3, kGrain = 2048;  // updates that one thread computes; splats a block
+    const SplatUpdate update = splatUpdate(frame, level);
+    const uint32_t count = settings.learnSplats ? learned.layer.splats.count() : 0;
+    double aloneMs[kAlone] = {};
+    bool moved = false;
+    jobs.forBlocks(kAlone + (count + kGrain - 1) / kGrain, [&](size_t block, uint32_t) {
+        if (block >= kAlone) {
+            const size_t begin = (block - kAlone) * kGrain;
+            updateSplats(update, begin, std::min<size_t>(count, begin + kGrain));
+            return;
+        }
+        const double before = StepClock::now().caller;
+        if (block == 0 && settings.learnGeometry) moved = updateOffsets();
+        if (block == 1 && learnsCorrectives()) updateCorrectives();
+        if (block == 2 && settings.learnPoses) updatePose(frame, level, loss);
+        aloneMs[block] = StepClock::now().caller - before;
+    });
+    pass.clock.lap(StepPart::Adam);
+    constexpr StepPart kParts[kAlone] = {StepPart::Offsets, StepPart::Nodes, StepPart::PoseStep};
+    for (size_t k = 0; k < kAlone; ++k) pass.clock.move(StepPart::Adam, kParts[k], aloneMs[k]);
+    if (moved) restTriangles(mesh, jobs, restNow);
+    pass.clock.lap(StepPart::Offsets);
+}
+
+CoOptimiser::State::SplatUpdate CoOptimiser::State::splatUpdate(uint32_t frame, const LevelFrame& level) {
+    const TrainableSplats& splats = learned.layer.splats;
+    SplatUpdate update;
+    update.counts = input.frames[frame].kind != FrameKind::Dynamic || onlyMoving;
+    update.halfHeight = 0.5f * float(level.camera.fy) / float(input.frames[frame].camera.fy) * float(input.frames[frame].camera.heightPx);
+    std::vector<float>& rate = update.rate;
+    rate.assign(splats.stride, 0.0f);
     const float colour = decay(settings.endColour);
     if (settings.learnPlacement) {
         rate[kRowU] = rate[kRowV] = settings.rateUv * decay(settings.endUv);
@@ -273,27 +300,33 @@ void CoOptimiser::State::updateSplats(uint32_t frame, const LevelFrame& level) {
         rate[kRowSh + k] = (k < 3 ? settings.rateDc : settings.rateRest) * colour;
     if (input.frames[frame].kind == FrameKind::StaticCloseup)
         for (float& r : rate) r *= settings.closeupStepScale;
+    return update;
+}
+
+void CoOptimiser::State::updateSplats(const SplatUpdate& update, size_t begin, size_t end) {
+    SplatBackward& b = pass.splatBackward();
+    TrainableSplats& splats = learned.layer.splats;
+    DensityStatistics& statistics = learned.layer.statistics;
     const auto rows = b.rowGradients();
     const auto length = b.screenGradientLength();
-    std::vector<uint8_t> active(b.active().begin(), b.active().end());
-    jobs.forRange(splats.count(), 2048, [&](size_t begin, size_t end, uint32_t) {
-        for (size_t i = begin; i < end; ++i) active[i] = active[i] && learns[splats.triangle[i]];
-        addSplatRegularisers(splats, referenceSizeM, active, settings.regularise, begin, end, rows);
-        for (size_t i = begin; i < end; ++i) {
-            if (!active[i]) continue;
-            float* row = rows.data() + i * splats.stride;
-            float squares = 0;  // Adam keeps them
-            for (uint32_t k = 0; k < splats.stride; ++k) squares += row[k] * row[k];
-            if (!std::isfinite(squares)) {
-                std::fill_n(row, splats.stride, 0.0f);
-                continue;
-            }
-            const float screen = length[i] * halfHeight;
-            if (counts && std::isfinite(screen)) statistics.gradientSum[i] += screen, ++statistics.seen[i];
+    const auto active = b.active();
+    for (size_t i = begin; i < end; ++i) active[i] = active[i] && learns[splats.triangle[i]];
+    addSplatRegularisers(splats, referenceSizeM, active, settings.regularise, begin, end, rows);
+    for (size_t i = begin; i < end; ++i) {
+        if (!active[i]) continue;
+        float* row = rows.data() + i * splats.stride;
+        float squares[8] = {};  // Adam keeps them; eight sums, which the compiler keeps in vectors
+        for (uint32_t k = 0; k < splats.stride; k += 8)
+            for (uint32_t lane = 0; lane < 8; ++lane) squares[lane] += row[k + lane] * row[k + lane];
+        if (!std::isfinite(std::accumulate(squares, squares + 8, 0.0f))) {
+            std::fill_n(row, splats.stride, 0.0f);
+            continue;
         }
-        learned.layer.adam.update(begin, end, active, rows, rate, splats.rows);
-        splats.activate(begin, end, active);
-    });
+        const float screen = length[i] * update.halfHeight;
+        if (update.counts && std::isfinite(screen)) statistics.gradientSum[i] += screen, ++statistics.seen[i];
+    }
+    learned.layer.adam.update(begin, end, active, rows, update.rate, splats.rows);
+    splats.activate(begin, end, active);
 }
 
 void CoOptimiser::State::updatePose(uint32_t frame, const LevelFrame& level, double loss) {
@@ -304,8 +337,14 @@ void CoOptimiser::State::updatePose(uint32_t frame, const LevelFrame& level, dou
     stepPose(own.pose, own.adamPose, pass.poseGradient(), {settings.rateRotation * fall, settings.rateTranslation * fall}, pull);
 }
 
-void CoOptimiser::State::updateOffsets() {
+bool CoOptimiser::State::updateOffsets() {
     LearnedLayer& layer = learned.layer;
+    const auto& g = pass.restGradient();
+    for (size_t v = 0; v < g.size(); ++v) layer.restGradientSum[v] += g[v];
+    for (size_t v = 0; v < collisionGradient.size(); ++v) layer.restGradientSum[v] += collisionGradient[v];
+    if (layer.correctives.motion.empty())
+        for (size_t v = 0; v < stressGradient.size(); ++v) layer.restGradientSum[v] += stressGradient[v];
+    if (++layer.restGradientCount < settings.geometryEvery) return false;
     const float scale = 1.0f / float(layer.restGradientCount);
     bool good = true;
     for (Vec3f& g : layer.restGradientSum) g *= scale, good &= finite(g);
@@ -314,10 +353,11 @@ void CoOptimiser::State::updateOffsets() {
         std::vector<Vec3f> uGradient(layer.u.size());
         largeSteps->backward(layer.restGradientSum, uGradient, bodyVertices());
         layer.adamOffsets.update(uGradient, settings.rateOffsets * decay(settings.endOffsets), layer.u);
-        applyOffsets();
+        moveMesh();
     }
     std::fill(layer.restGradientSum.begin(), layer.restGradientSum.end(), Vec3f(0));
     layer.restGradientCount = 0;
+    return good;
 }
 
 void CoOptimiser::State::pullGarments() {
@@ -336,10 +376,14 @@ void CoOptimiser::State::pullGarments() {
 
 void CoOptimiser::State::applyOffsets() {
     if (!largeSteps) return;
+    moveMesh();
+    restTriangles(mesh, jobs, restNow);
+}
+
+void CoOptimiser::State::moveMesh() {
     std::vector<Vec3f> offsets(mesh.restPositions.size());
     largeSteps->offsets(learned.layer.u, offsets, bodyVertices());
     for (size_t v = 0; v < offsets.size(); ++v) mesh.restPositions[v] = input.mesh.restPositions[v] + offsets[v];
-    restTriangles(mesh, jobs, restNow);
     if (restNormals) restNormals->compute(mesh.restPositions, mesh.triangles, normals);
 }
 
@@ -443,17 +487,33 @@ CoOptimiseResult CoOptimiser::result() const {
     for (const LearnedFrame& frame : s.learned.frames) r.poses.push_back(frame.pose);
     r.curve = s.learned.curve;
     r.framesUsed = uint32_t(s.usedFrames.size());
+    r.profile = profile();
+    return r;
+}
+
+void CoOptimiser::startProfile() {
+    state_->startProfile();
+}
+
+double CoOptimiser::recentLoss() const {
+    return state_->recentPoint().loss;
+}
+uint32_t CoOptimiser::splatCount() const {
+    return state_->learned.layer.splats.count();
+}
+
+StepProfile CoOptimiser::profile() const {
+    const State& s = *state_;
     StepProfile p = s.profile;
     if (p.steps > 0) {
         const double n = p.steps;
-        p.stepMs /= n, p.updateMs /= n, p.pairs /= n;
-        PassTimes t = s.pass.times;
-        for (double* part : {&t.pose, &t.project, &t.blend, &t.loss, &t.pixels, &t.splats, &t.mesh}) *part /= n;
-        p.partsMs = t;
-        if (p.pairs > 0) p.forwardNsPerPair = t.blend * 1e6 / p.pairs, p.backwardNsPerPair = t.pixels * 1e6 / p.pairs;
+        p.stepMs /= n, p.pairs /= n, p.entries /= n, p.visible /= n, p.pixels /= n;
+        p.parts = s.pass.clock.times;
+        for (PartTime& t : p.parts) t.wall /= n, t.cpu /= n, t.caller /= n;
+        const auto nsPerPair = [&p](StepPart part) { return p.parts[size_t(part)].wall * 1e6 / p.pairs; };
+        if (p.pairs > 0) p.forwardNsPerPair = nsPerPair(StepPart::Blend), p.backwardNsPerPair = nsPerPair(StepPart::Pixels);
     }
-    r.profile = p;
-    return r;
+    return p;
 }
 
 }  // namespace dpl

@@ -78,9 +78,9 @@ struct CurvePoint {
 struct StepProfile {
     uint32_t steps = 0;
     double stepMs = 0;
-    PassTimes partsMs;
-    double updateMs = 0;
-    double pairs = 0;                                    // pixel-splat pairs a step
+    PartTimes parts{};
+    double pairs = 0, entries = 0;                       // pixel-splat pairs a step; entries of tile lists
+    double visible = 0, pixels = 0;                      // splats that a step draws; pixels of its picture
     double forwardNsPerPair = 0, backwardNsPerPair = 0;  // of the blend and of its backward pass
 };
 
@@ -114,6 +114,13 @@ public:
     /** Reads a state that was written with the same input and settings. Refuses one of another run, a damaged file and numbers that are
      *  not finite; after an error the state is unchanged. */
     Status restore(const std::filesystem::path& path);
+
+    /** Forgets the profile of the steps so far, and starts another one. The last epoch does so by itself. */
+    void startProfile();
+    StepProfile profile() const;
+    /** Mean loss since the last point of the curve. */
+    double recentLoss() const;
+    uint32_t splatCount() const;
 
     CoOptimiseResult result() const;
     /** That of the result, without the rest. */

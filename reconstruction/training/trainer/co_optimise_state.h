@@ -46,15 +46,20 @@ struct CoOptimiser::State {
     std::vector<Vec3f> stressGradient;     // the same in a stress pose, for offsets or, where there are motion modes, for these
     PosedMesh stressed;                    // the subject in one of input.stress
     FramePass pass;
-    StepProfile profile;
+    StepProfile profile;  // sums; their means are those of CoOptimiser::profile()
+    bool counts = false;  // pairs, entries, splats and pixels, which takes time
 
     Status prepare();
     void chooseLearners(const std::vector<uint8_t>& seen);
     void start(TrainableSplats splats);
+    void startProfile();
     Status stepOnce();
     /** Fills collisionGradient every geometryEvery steps, and stressGradient every second time. */
     void pullGarments();
+    /** Offsets to mesh, its normals and restNow. */
     void applyOffsets();
+    /** The same without restNow. One thread. */
+    void moveMesh();
     /** The body's vertices come first. Its offsets keep mean zero, because poses tell where it is. */
     uint32_t bodyVertices() const {
         return input.mesh.layers.empty() ? uint32_t(input.mesh.restPositions.size()) : input.mesh.layers.front().vertexCount;
@@ -62,10 +67,21 @@ struct CoOptimiser::State {
     bool learnsCorrectives() const { return settings.learnCorrectives && !input.correctives.empty(); }
     Status selectLevel();
     uint32_t frameOf(uint32_t atStep);
-    void updateSplats(uint32_t frame, const LevelFrame& level);
+    /** Updates everything from the gradients of the step. What one thread computes runs beside the splats: none reads what another writes.
+     */
+    void updateAll(uint32_t frame, const LevelFrame& level, double loss);
+    /** What the updates of all splats share. */
+    struct SplatUpdate {
+        bool counts = false;  // towards density control
+        float halfHeight = 0;
+        std::vector<float> rate;
+    };
+    SplatUpdate splatUpdate(uint32_t frame, const LevelFrame& level);
+    void updateSplats(const SplatUpdate& update, size_t begin, size_t end);
     void updatePose(uint32_t frame, const LevelFrame& level, double loss);
     void hashPicture(const FramePicture& picture);
-    void updateOffsets();
+    /** Adds the step's gradient, and updates the mesh every geometryEvery steps; restNow is then left to the caller. Whether it did. */
+    bool updateOffsets();
     void updateCorrectives();
     /** What a value of a node started at, and decays to. */
     Vec4f startOf(uint32_t node, uint32_t column) const;

@@ -1,32 +1,26 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "reconstruction/training/trainer/frame_pass.h"
 
-#include <chrono>
-
 namespace dpl {
 
 LossValues FramePass::run(const PassSubject& s, const Pose& pose, const LevelFrame& level, const LossWeights& weights,
                           const Vec3f& background, bool geometry) {
-    auto last = std::chrono::steady_clock::now();
-    const auto lap = [&last](double& sum) {
-        const auto now = std::chrono::steady_clock::now();
-        sum += std::chrono::duration<double, std::milli>(now - last).count();
-        last = now;
-    };
+    clock.start();
     posed_.pose({s.joints, s.mesh, s.correctives, s.rest, &s.light, s.normals}, pose, jobs_);
-    lap(times.pose);
+    clock.lap(StepPart::Pose);
     engine_.project(s.splats.view(), posed_.frames(), level.camera, level.kappaPx2, /*compensated=*/true, /*record=*/true);
+    clock.lap(StepPart::Project);
     engine_.bin();
-    lap(times.project);
+    clock.lap(StepPart::Tiles);
     engine_.blend(image_, {.cloth = weights.cloth > 0 && !level.cloth.empty(), .depth = false, .recordStops = true});
-    lap(times.blend);
+    clock.lap(StepPart::Blend);
     const LossValues v = loss_.run(image_, level.target(), weights, background, gradient_);
-    lap(times.loss);
+    clock.lap(StepPart::Loss);
     pixels_.run(engine_, image_, gradient_);
-    lap(times.pixels);
+    clock.lap(StepPart::Pixels);
     splatBackward_.run({s.splats, posed_.frames(), s.rest, level.camera, engine_.projected(), engine_.forwardRecords(), pixels_.sums()},
                        geometry);
-    lap(times.splats);
+    clock.lap(StepPart::Splats);
     if (geometry) {
         splatBackward_.gatherVertices(s.incidence, gPosed_, gLight_);
         backwardSceneLight(posed_, gLight_);
@@ -36,7 +30,7 @@ LossValues FramePass::run(const PassSubject& s, const Pose& pose, const LevelFra
             gatherNodes(s.correctives, posed_.nodes(), gRest_, gLight_, gNodes_);
             addCorrectivePoseGradient(s.correctives, pose, gNodes_, poseGradient_.rotation);
         }
-        lap(times.mesh);
+        clock.lap(StepPart::Mesh);
     }
     return v;
 }

@@ -6,6 +6,7 @@
 #include "reconstruction/training/trainer/backward_correctives.h"
 #include "reconstruction/training/trainer/backward_splats.h"
 #include "reconstruction/training/trainer/losses.h"
+#include "reconstruction/training/trainer/step_clock.h"
 #include "reconstruction/training/trainer/train_images.h"
 #include "sdk/avatar/posed_mesh.h"
 
@@ -21,11 +22,6 @@ struct PassSubject {
     const VertexIncidence& incidence;
     const LightData& light;
     std::span<const Vec3f> normals;  // V, of RestNormals; empty without light
-};
-
-/** Wall time of each part of a pass in milliseconds, summed over passes. */
-struct PassTimes {
-    double pose = 0, project = 0, blend = 0, loss = 0, pixels = 0, splats = 0, mesh = 0;
 };
 
 class FramePass {
@@ -45,7 +41,7 @@ public:
     const PosedMesh& posed() const { return posed_; }
     const SplatImage& image() const { return image_; }
     const SplatEngine& engine() const { return engine_; }
-    PassTimes times;
+    StepClock clock;  // of all passes so far; a training step adds its own parts
 
 private:
     Jobs& jobs_;

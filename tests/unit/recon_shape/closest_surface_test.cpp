@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "reconstruction/subject/shape/closest_surface.h"
 
+#include <algorithm>
 #include <cmath>
 #include <random>
 
 #include <gtest/gtest.h>
 
+#include "reconstruction/subject/shape/closest_leaf.h"
 #include "reconstruction/subject/shape/implicit_mesh.h"
 
 namespace dpl {
@@ -28,6 +30,47 @@ double distanceBySampling(const Vec3d& p, const Vec3d& a, const Vec3d& b, const 
             best = std::min(best, glm::length(p - ((1 - u - v) * a + u * b + v * c)));
         }
     return best;
+}
+
+/** The closest point of a triangle in double: the least of the plane's foot point, if it lies inside, and of the three edges. */
+double exactDistance(const Vec3d& p, const Vec3d& a, const Vec3d& b, const Vec3d& c) {
+    const Vec3d n = glm::normalize(glm::cross(b - a, c - a)), foot = p - glm::dot(p - a, n) * n;
+    const auto side = [&](const Vec3d& from, const Vec3d& to) { return glm::dot(glm::cross(to - from, foot - from), n) >= 0; };
+    if (side(a, b) && side(b, c) && side(c, a)) return std::abs(glm::dot(p - a, n));
+    const auto toEdge = [&](const Vec3d& from, const Vec3d& to) {
+        const double along = std::clamp(glm::dot(p - from, to - from) / glm::dot(to - from, to - from), 0.0, 1.0);
+        return glm::length(p - from - along * (to - from));
+    };
+    return std::min({toEdge(a, b), toEdge(b, c), toEdge(c, a)});
+}
+
+TEST(ClosestSurface, everyLaneOfALeafIsExactInEveryRegion) {
+    std::mt19937 random(11);
+    std::uniform_real_distribution<float> in(-1, 1);
+    const auto point = [&] { return Vec3f(in(random), in(random), in(random)); };
+    int regions[7] = {};  // inside, three edges, three corners
+    for (uint32_t lane = 0; lane < kLeafTriangles; ++lane) {
+        for (int i = 0; i < 400; ++i) {
+            ClosestLeaf leaf;
+            const Vec3f corners[3] = {point(), point(), point()}, p = 1.5f * point();
+            for (int c = 0; c < 3; ++c)
+                for (int axis = 0; axis < 3; ++axis) leaf.corner[c][axis][lane] = corners[c][axis];
+            LeafPoints found;
+            closestInLeaf(leaf, p, found);
+            const Vec3f w(found.weight[0][lane], found.weight[1][lane], found.weight[2][lane]);
+            EXPECT_NEAR(std::sqrt(found.distance2[lane]), exactDistance(Vec3d(p), Vec3d(corners[0]), Vec3d(corners[1]), Vec3d(corners[2])),
+                        2e-6);  // of coordinates up to 1.5, in float
+            EXPECT_NEAR(w.x + w.y + w.z, 1, 1e-6);
+            const int zeros = (w.x == 0) + (w.y == 0) + (w.z == 0);
+            ++regions[zeros == 0 ? 0 : zeros == 1 ? (w.x == 0 ? 1 : w.y == 0 ? 2 : 3) : (w.x != 0 ? 4 : w.y != 0 ? 5 : 6)];
+        }
+        ClosestLeaf point0;  // a triangle without area at the origin
+        LeafPoints found;
+        closestInLeaf(point0, {0, 3, 4}, found);
+        EXPECT_EQ(found.distance2[lane], 25);
+        EXPECT_EQ(found.weight[0][lane], 1);
+    }
+    for (const int count : regions) EXPECT_GT(count, 40);
 }
 
 TEST(ClosestSurface, findsWhatASearchOfAllTrianglesFinds) {

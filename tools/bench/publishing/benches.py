@@ -451,6 +451,15 @@ def take_cores(place):
     return [{"what": what, "unit": unit, "one_thread": times[0], "two_threads": times[1]} for (what, unit), times in found.items()]
 
 
+def take_steps(place):
+    return place.json_lines("steps", [place.program("doppel"), "bench", "training", "--warm-up", 24, "--steps", 24])
+
+
+def take_steps_2k(place):
+    return place.json_lines("steps-2k", [place.program("doppel"), "bench", "training", "--size", "1080x1440", "--splats", 300000, "--warm-up", 6,
+                                         "--steps", 12])
+
+
 DOPPEL = ("doppel",)
 DRAFT = "doppel sample -o scan --seed {0} && doppel reconstruct scan -o OUT --preset draft"
 
@@ -466,6 +475,10 @@ BENCHES = [
           "build/release/tools/bench/frames/bench_frames demo/avatar/avatar.glb --repeats 9", ("bench_frames",), take_baselines),
     Bench("baselines-large", "quick", 4, "the same with 533,695 splats, without the referee",
           "build/release/tools/bench/frames/bench_frames big.glb --no-reference --repeats 9", ("bench_frames", "bench_load"), take_baselines_large),
+    Bench("steps", "quick", 0.5, "training steps by part, on the procedural subject", "doppel bench training --warm-up 24 --steps 24", DOPPEL,
+          take_steps),
+    Bench("steps-2k", "quick", 1, "the same in pictures of 1080 x 1440 with 300,000 splats",
+          "doppel bench training --size 1080x1440 --splats 300000 --warm-up 6 --steps 12", DOPPEL, take_steps_2k),
     Bench("load", "quick", 0.5, "loading and memory of 533,695 splats",
           "build/release/tools/bench/bench_load demo/avatar/avatar.glb 533695 1", ("bench_load",), take_load),
     Bench("library", "quick", 0.1, "size of the stripped libdoppel.so and of its parts", "strip -o stripped.so build/release/sdk/api/libdoppel.so",

@@ -167,6 +167,24 @@ def cores(rows):
             "memory that many cores share is not in it.\n\n" + table(head, body) + "\n" + note)
 
 
+STEPS = ("The procedural subject in its true poses, every step as slow as the last ones of a run: all splats, pictures at full size. *CPU ms*: of all "
+         "threads; on a busy machine it says more than *ms*, the wall time. *Alone*: CPU time of the training thread while the others rest. *MB*: what a "
+         "part reads and writes at least once, by the sizes of its arrays.\n\n")
+
+
+def steps(rows):
+    text = ""
+    for head in (r for r in rows if "part" not in r):
+        text += (f"{head['case']}: {number(head['splats'], 0)} splats, {number(head['pairs'], 0)} pairs, {number(head['entries'], 0)} entries of tile "
+                 f"lists, {number(head['vertices'], 0)} vertices, {number(head['threads'], 0)} threads.\n\n")
+        body = [[r["part"], number(r["ms"], 2), number(r["cpu_ms"], 2), f"{100 * r['share']:.1f} %", number(r["alone_ms"], 2),
+                 number(r["bytes"] / 1e6, 1) if r["bytes"] else NOTHING] for r in rows if r.get("part") and r["case"] == head["case"]]
+        body.append(["**a step**", number(head["ms"], 2), number(head["cpu_ms"], 2), "100 %", number(head["alone_ms"], 2),
+                     number(sum(r["bytes"] for r in rows if r.get("part") and r["case"] == head["case"]) / 1e6, 1)])
+        text += table(["part", "ms", "CPU ms", "share of CPU", "alone, ms", "MB"], body) + "\n"
+    return text
+
+
 def training(store):
     everything = DEVELOPMENT + UNSEEN
     text = BACK + ("# Reconstruction: time, memory, file\n\n*Pairs*: pixels times the splats that touch them, in one training step. *Minutes*: "
@@ -179,6 +197,8 @@ def training(store):
         if rows:
             body.append([label] + [number(rows[s]["seconds"], 1) if s in rows else NOTHING for s in stages])
     text += "Seconds of each stage:\n\n" + table(["scan", *stages], body) + "\n"
+    text += section(store, "steps", "A training step by part", lambda rows: STEPS + steps(rows))
+    text += section(store, "steps-2k", "A training step by part, at 2K", steps)
     text += section(store, "cores", "On more cores", cores)
     return text + "## How these figures were taken\n\n" + taken_all(store, everything)
 
