@@ -86,7 +86,8 @@ std::string unknownCommand(const CLI::App& app, int argc, const char* const* arg
     for (int i = 1; i < argc; ++i) {
         const std::string_view word = argv[i];
         const std::vector<const CLI::App*> commands = commandsOf(*at);
-        if (commands.empty()) return {};
+        const auto values = at->get_options([](const CLI::Option* o) { return o->get_positional(); });
+        if (commands.empty() || !values.empty()) return {};
         if (word.starts_with('-')) continue;
         const auto found = std::find_if(commands.begin(), commands.end(), [&](const CLI::App* c) { return c->get_name() == word; });
         if (found != commands.end()) {

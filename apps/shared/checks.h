@@ -35,7 +35,7 @@ CLI::Validator isOutputFile(std::vector<std::string> extensions = {}, bool orFol
 void refuseInputAsOutput(const std::filesystem::path& out, const std::vector<std::filesystem::path>& inputs);
 
 /** The error for a first word that names no command: "unknown command 'rendr'; did you mean 'render'? ...". Empty when the word is a
- * command. Skips options before the command, which take no values. */
+ * command, or may be a value instead, as the avatar of `doppel bench`. Skips options before the command, which take no values. */
 std::string unknownCommand(const CLI::App& app, int argc, const char* const* argv);
 
 }  // namespace dpl

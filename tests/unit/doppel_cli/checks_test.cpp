@@ -80,6 +80,10 @@ std::string unknownIn(std::vector<const char*> words) {
     app.add_subcommand("render", "");
     CLI::App* body = app.add_subcommand("body", "");
     body->add_subcommand("import", "");
+    CLI::App* bench = app.add_subcommand("bench", "");
+    std::string avatar;
+    bench->add_option("avatar", avatar);
+    bench->add_subcommand("training", "");
     words.insert(words.begin(), "doppel");
     return unknownCommand(app, int(words.size()), words.data());
 }
@@ -87,6 +91,7 @@ std::string unknownIn(std::vector<const char*> words) {
 TEST(UnknownCommand, namesTheWordAndTheNearestCommand) {
     EXPECT_EQ(unknownIn({"render", "frobnicate"}), "") << "arguments of a command are its own";
     EXPECT_EQ(unknownIn({"body", "import", "x"}), "");
+    EXPECT_EQ(unknownIn({"bench", "ada.glb"}), "") << "it may be the avatar";
     EXPECT_EQ(unknownIn({"--version"}), "");
     EXPECT_EQ(unknownIn({}), "");
     EXPECT_NE(unknownIn({"rendr"}).find("'rendr' (did you mean 'render'?)"), std::string::npos);
