@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "apps/doppel/command_tree.h"
 
+#include <algorithm>
+
 namespace dpl {
 namespace {
 
@@ -47,6 +49,10 @@ CommandEntry treeBelow(const CLI::App& app, std::vector<std::string> path) {
 }
 
 }  // namespace
+
+bool CommandEntry::standsAlone() const {
+    return commands.empty() || std::any_of(options.begin(), options.end(), [](const CommandOption& o) { return o.positional; });
+}
 
 CommandEntry commandTree(const CLI::App& app) {
     return treeBelow(app, {});

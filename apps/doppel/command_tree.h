@@ -22,6 +22,9 @@ struct CommandEntry {
     std::string help, footer;
     std::vector<CommandOption> options;
     std::vector<CommandEntry> commands;
+
+    /** It does something by itself, without one of its commands. */
+    bool standsAlone() const;
 };
 
 /** The tree below `app`. Hidden commands and options are left out. */

@@ -55,14 +55,17 @@ std::string bashOf(const CommandEntry& root) {
             text += "return ;;\n";
         }
         text += "        esac\n";
-        for (const CommandEntry& below : c->commands) words.push_back(below.path.back());
-        const bool commandsFirst = !c->commands.empty();
+        std::vector<std::string> commands;
+        for (const CommandEntry& below : c->commands) commands.push_back(below.path.back());
+        const bool commandsFirst = !c->standsAlone();
+        if (commandsFirst) words.insert(words.end(), commands.begin(), commands.end());
         text += std::string("        if [[ $cur == -* ") + (commandsFirst ? "|| -z $cur || $cur != */* " : "") + "]]; then\n" +
                 "            mapfile -t COMPREPLY < <(compgen -W " + quoted(joined(words, " ")) + " -- \"$cur\")\n";
         const auto argument = std::find_if(c->options.begin(), c->options.end(), [](const CommandOption& o) { return o.positional; });
         if (!commandsFirst && argument != c->options.end())
             text += "        else\n            mapfile -t COMPREPLY < <(compgen " +
-                    (argument->choices.empty() ? "-f" : "-W " + quoted(joined(argument->choices, " "))) + " -- \"$cur\")\n";
+                    (argument->choices.empty() ? "-f" : "-W " + quoted(joined(argument->choices, " "))) +
+                    (commands.empty() ? "" : " -W " + quoted(joined(commands, " "))) + " -- \"$cur\")\n";
         text += "        fi ;;\n";
     }
     return text + "    esac\n}\ncomplete -o filenames -F _doppel doppel\n";
@@ -93,8 +96,8 @@ std::string zshOf(const CommandEntry& root) {
         text += zshName(*c) + "() {\n";
         std::string options;
         for (const CommandOption& o : c->options)
-            if (!o.positional || c->commands.empty()) options += " \\\n        " + zshOption(o);
-        if (c->commands.empty()) {
+            if (!o.positional || c->standsAlone()) options += " \\\n        " + zshOption(o);
+        if (c->standsAlone()) {  // what it takes, also where it has commands too
             text += "    _arguments -s" + options + "\n}\n";
             continue;
         }

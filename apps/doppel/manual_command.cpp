@@ -36,7 +36,7 @@ std::string synopsis(const CommandEntry& c) {
         if (o.positional) text += " \\fI" + plain(o.names[0]) + "\\fR";
     for (const CommandOption& o : c.options)
         if (!o.positional && o.required) text += " \\fB" + plain(o.names[0]) + "\\fR \\fIVALUE\\fR";
-    return text + (c.commands.empty() ? " [options]" : " \\fIcommand\\fR");
+    return text + (c.standsAlone() ? " [options]" : " \\fIcommand\\fR");
 }
 
 std::string manual(const CommandEntry& root) {
@@ -46,7 +46,7 @@ std::string manual(const CommandEntry& root) {
     for (const CommandOption& o : root.options) text += optionText(o);
     text += ".SH COMMANDS\n";
     for (const CommandEntry* c : allCommands(root)) {
-        if (!c->commands.empty()) continue;
+        if (!c->standsAlone()) continue;
         text +=
             ".SS " + plain(joined({c->path.begin() + 1, c->path.end()}, " ")) + "\n" + plain(c->help) + ".\n.PP\n" + synopsis(*c) + "\n";
         for (const CommandOption& o : c->options) text += optionText(o);

@@ -27,6 +27,8 @@ is "options of a command's command" "$(completions doppel body import --o)" "--o
 is "values" "$(completions doppel reconstruct --preset d)" "draft"
 is "every value" "$(completions doppel render --renderer "" | wc -w)" 3
 is "files" "$(completions doppel render scan- | tr ' ' '\n' | sort | paste -sd ' ')" "scan-a.mp4 scan-b.mp4"
+is "a command of a command that takes a file" "$(completions doppel bench trai)" "training"
+is "the file of a command that has commands" "$(completions doppel bench scan-a)" "scan-a.mp4"
 is "values of an argument" "$(completions doppel completion "")" "bash zsh"
 is "a command without arguments takes no file" "$(completions doppel manual scan-)" ""
 is "nothing for a number" "$(completions doppel reconstruct --steps "")" ""
