@@ -345,7 +345,7 @@ def viewers(store):
 
 def viewers_live(store):
     def body(rows):
-        return ("Thirty poses of a walk from two sides, 480 × 640 pixels over white, against `dplRender`: a live person, handed to the engine's own splats for the eye that looks; and six of these poses as exported files, which know no eye. "
+        return ("Thirty poses of a clip from two sides, 480 × 640 pixels over white, against `dplRender`: a live person, handed to the engine's own splats for the eye that looks; and six of these poses as exported files, which know no eye. "
                 "*Below its file*: the worst of the six; below 0 it is nearer to `dplRender`. *Write*: position and covariance of all splats by the module's one thread.\n\n" + table(
                     ["engine", "live, dB", "least", "six of them, live", "as files", "worst below its file, dB", "write, ms"],
                     [[f"{VIEWERS[r['viewer']]} {r['version']}", number(r["live_db"], 1), number(r["least_live_db"], 1), number(r["files_live_db"], 1), number(r["file_db"], 1),
