@@ -13,20 +13,11 @@
 #include "reconstruction/subject/body/fit_body.h"
 #include "reconstruction/subject/sample/raycast.h"
 #include "reconstruction/subject/sample/scan_plan.h"
+#include "reconstruction/subject/sample/skinning.h"
 #include "tests/unit/must.h"
 
 namespace dpl {
 namespace {
-
-Pose poseOf(const TruthPose& truth) {
-    Pose pose = Pose::rest(truth.rotations.size());
-    for (size_t j = 0; j < truth.rotations.size(); ++j) {
-        const double angle = glm::length(truth.rotations[j]);
-        if (angle > 1e-9) pose.localRotations[j] = Quatf(glm::angleAxis(angle, truth.rotations[j] / angle));
-    }
-    pose.rootTranslation = Vec3f(truth.translation);
-    return pose;
-}
 
 struct Shown {
     FrameKind kind = FrameKind::StaticFull;
