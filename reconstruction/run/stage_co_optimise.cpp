@@ -7,6 +7,7 @@
 
 #include "reconstruction/run/film_memory.h"
 #include "reconstruction/run/moved_start.h"
+#include "reconstruction/run/resumed_training.h"
 #include "reconstruction/run/run_request.h"
 #include "reconstruction/run/settings_json.h"
 #include "reconstruction/run/stage_body_fit.h"
@@ -78,24 +79,8 @@ Status train(CoOptimiseInput input, const RunSettings& settings, Jobs& jobs, Sta
         DPL_TRY(training.steps, stepsInBudget(input, settings, jobs, context));
     }
     DPL_TRY(auto optimiser, CoOptimiser::create(std::move(input), training, jobs));
-    const std::filesystem::path checkpoint = context.folder / kCheckpointFile;
-    if (std::filesystem::exists(checkpoint)) {
-        if (Status restored = optimiser->restore(checkpoint); restored)
-            context.progress.note(formatText("continuing at step {}", optimiser->step()));
-        else
-            context.progress.note(formatText("starting over: {}", restored.error().message));
-    }
-    auto saved = std::chrono::steady_clock::now();
-    while (!optimiser->finished()) {
-        const Status ran = optimiser->run(100);
-        const bool due = std::chrono::duration<double>(std::chrono::steady_clock::now() - saved).count() > settings.checkpointS;
-        if (due || !ran) {
-            DPL_RETURN_IF_ERROR(optimiser->checkpoint(checkpoint));
-            saved = std::chrono::steady_clock::now();
-        }
-        DPL_RETURN_IF_ERROR(ran);
-        shown.after(*optimiser, training.steps);
-    }
+    DPL_RETURN_IF_ERROR(trainFromCheckpoint(*optimiser, context.folder / kCheckpointFile, settings.checkpointS, context.progress,
+                                            [&] { shown.after(*optimiser, training.steps); }));
     return writeTrainedFile(optimiser->result(), context.folder / kTrainedFile);
 }
 

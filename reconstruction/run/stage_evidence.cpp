@@ -4,12 +4,13 @@
 #include <algorithm>
 #include <cstdio>
 
-#include "reconstruction/judging/evidence/motion_faults.h"
+#include "reconstruction/judging/evidence/jury_scores.h"
 #include "reconstruction/judging/evidence/priors.h"
 #include "reconstruction/judging/report/detail.h"
 #include "reconstruction/judging/report/draw_view.h"
 #include "reconstruction/judging/report/score.h"
 #include "reconstruction/run/carried_pose.h"
+#include "reconstruction/run/resumed_training.h"
 #include "reconstruction/run/settings_json.h"
 #include "reconstruction/run/stage_assemble.h"
 #include "reconstruction/run/stage_body_fit.h"
@@ -73,25 +74,30 @@ Result<Jury> chooseJury(StageInputs& in, const AssembledAvatar& assembled) {
     return jury;
 }
 
-/** What the jury says of an avatar. */
-struct JuryScore {
-    double maskedPsnrDb = 0;  // mean over full-body and moving frames
-    double detail = 0;        // report/detail.h, mean over close-ups, or over all frames where the jury has no close-up
-    MotionFaults faults;
-};
-
-/** Trains avatars on and scores them on the jury's frames. */
+/** Trains avatars on and scores them on the jury's frames. A stopped stage keeps the scores that it has, and a checkpoint of the avatar that
+ *  it was at, in context.folder. */
 class Judge {
 public:
-    Judge(const AssembledAvatar& assembled, const Jury& jury, const RunSettings& settings, Jobs& jobs)
-        : assembled_(assembled), jury_(jury), settings_(settings), jobs_(jobs) {}
+    Judge(const AssembledAvatar& assembled, const Jury& jury, const RunSettings& settings, Jobs& jobs, StageContext& context)
+        : assembled_(assembled), jury_(jury), settings_(settings), jobs_(jobs), context_(context), scores_(context.folder / "scores.json") {}
 
-    /** The scores of `avatar` after it was trained on. */
-    Result<JuryScore> score(AvatarData avatar, const RetrainParts& parts) const {
+    /** The score of `avatar` after it was trained on. name: of the avatar, for the next run. */
+    Result<JuryScore> score(const std::string& name, AvatarData avatar, const RetrainParts& parts) {
+        if (const auto known = scores_.find(name)) return *known;
+        const std::filesystem::path checkpoint = context_.folder / ("without-" + name + ".checkpoint");
         {
             const TaskPart part(0, 0.5);
-            DPL_TRY(avatar, trainedOn(std::move(avatar), parts, assembled_, settings_, jobs_));
+            DPL_TRY(avatar, trainedOn(std::move(avatar), parts, assembled_, settings_, jobs_, checkpoint, context_.progress));
         }
+        DPL_TRY(const JuryScore score, scoreOf(avatar));
+        DPL_RETURN_IF_ERROR(scores_.add(name, score));
+        std::error_code ignored;
+        std::filesystem::remove(checkpoint, ignored);
+        return score;
+    }
+
+private:
+    Result<JuryScore> scoreOf(const AvatarData& avatar) const {
         DPL_TRY(const auto bytes, writeAvatar(avatar, {}));
         DPL_TRY(const AvatarData decoded, readAvatar(bytes));
         std::vector<std::optional<PoseFitResult>> fits(jury_.frames.size());
@@ -119,11 +125,12 @@ public:
         return sum;
     }
 
-private:
     const AssembledAvatar& assembled_;
     const Jury& jury_;
     const RunSettings& settings_;
     Jobs& jobs_;
+    StageContext& context_;
+    JuryScores scores_;
 };
 
 std::string decimals(double value, int digits) {
@@ -144,16 +151,16 @@ const char* whyNotTrained(AvatarPart part, const RunSettings& settings) {
 }
 
 Status weigh(const AssembledAvatar& assembled, const Jury& jury, const RunSettings& settings, Jobs& jobs,
-             const std::filesystem::path& folder) {
+             StageContext& context) {
     constexpr double kShare = 1.0 / 6;  // of the work: the whole avatar, and one without each part
-    const Judge judge(assembled, jury, settings, jobs);
+    Judge judge(assembled, jury, settings, jobs, context);
     const AvatarData& avatar = assembled.avatar;
     const RetrainParts trained{.correctiveLight = settings.training.rateNodeLight > 0};
-    const auto score = [&](AvatarData judged, const RetrainParts& parts, double from) {
+    const auto score = [&](const char* without, AvatarData judged, const RetrainParts& parts, double from) {
         const TaskPart part(from, from + kShare);
-        return judge.score(std::move(judged), parts);
+        return judge.score(without, std::move(judged), parts);
     };
-    DPL_TRY(const JuryScore whole, score(avatar, trained, 0));
+    DPL_TRY(const JuryScore whole, score("nothing", avatar, trained, 0));
     DPL_TRY(const auto wholeFile, writeAvatar(avatar, kPackaged));
     const std::pair<AvatarPart, std::string> kParts[] = {
         {AvatarPart::CorrectiveOffsets, "pose-dependent offsets"},
@@ -174,7 +181,7 @@ Status weigh(const AssembledAvatar& assembled, const Jury& jury, const RunSettin
         RetrainParts parts = trained;
         if (part == AvatarPart::CorrectiveOffsets) parts.correctiveOffsets = false;
         if (part == AvatarPart::CorrectiveLight) parts.correctiveLight = false;
-        DPL_TRY(const JuryScore rest, score(std::move(without), parts, from));
+        DPL_TRY(const JuryScore rest, score(nameOf(part), std::move(without), parts, from));
         const uint64_t bytes = wholeFile.size() - std::min(wholeFile.size(), file.size());
         const double gain = whole.maskedPsnrDb - rest.maskedPsnrDb,
                      price = priors::kWorthItDb + priors::kWorthAMegabyteDb * double(bytes) / 1e6;
@@ -190,7 +197,7 @@ Status weigh(const AssembledAvatar& assembled, const Jury& jury, const RunSettin
                          decimals(rest.detail, 3), decimals(whole.faults.flickerLevels, 2), decimals(rest.faults.flickerLevels, 2),
                          decimals(100 * whole.faults.penetration, 2), decimals(100 * rest.faults.penetration, 2))}});
     }
-    return writeEvidence(rows, folder / "evidence.json");
+    return writeEvidence(rows, context.folder / "evidence.json");
 }
 
 /** The files of validation frames, which this stage alone reads. Their keypoints reach it through the body fit. */
@@ -205,10 +212,11 @@ nlohmann::json juryInputs(const FrameTable& table) {
 }  // namespace
 
 Result<AvatarData> trainedOn(AvatarData avatar, const RetrainParts& parts, const AssembledAvatar& assembled, const RunSettings& settings,
-                             Jobs& jobs) {
+                             Jobs& jobs, const std::filesystem::path& checkpoint, Progress& progress) {
     const auto steps = uint32_t(std::max(20.0, priors::kRetrainShare * settings.training.steps));
     const CoOptimiseSettings training = retrainSettings(settings.training, parts, steps, avatar.splats.shDegree);
-    return retrain(std::move(avatar), assembled.triangleLabel, assembled.frames, training, jobs);
+    return retrain(std::move(avatar), assembled.triangleLabel, assembled.frames, training, jobs,
+                   [&](CoOptimiser& trainer) { return trainFromCheckpoint(trainer, checkpoint, settings.checkpointS, progress); });
 }
 
 Status StageOf<MeasuredParts>::inputs(StageInputs& in) {
@@ -228,7 +236,7 @@ Status StageOf<MeasuredParts>::make(StageInputs& in, StageContext& context) {
     DPL_TRY(const SettingsAfterTraining* after, in.of<SettingsAfterTraining>());
     DPL_TRY(const AssembledAvatar* assembled, in.of<AssembledAvatar>());
     DPL_TRY(const Jury jury, chooseJury(in, *assembled));
-    return weigh(*assembled, jury, after->settings, in.jobs(), context.folder);
+    return weigh(*assembled, jury, after->settings, in.jobs(), context);
 }
 
 Result<MeasuredParts> StageOf<MeasuredParts>::read(StageInputs&, const std::filesystem::path& folder) {

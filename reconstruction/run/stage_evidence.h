@@ -29,8 +29,9 @@ struct StageOf<MeasuredParts> {
 };
 
 /** Trains an avatar, from which parts may have been taken, on for a short while. The stage scores avatars after this, and packaging does
- * the same without the parts that did not pay: what ships is what was judged. parts: those that may still learn. */
+ * the same without the parts that did not pay: what ships is what was judged. parts: those that may still learn. A stopped run goes on from
+ * the file `checkpoint`, which the caller removes. */
 Result<AvatarData> trainedOn(AvatarData avatar, const RetrainParts& parts, const AssembledAvatar& assembled, const RunSettings& settings,
-                             Jobs& jobs);
+                             Jobs& jobs, const std::filesystem::path& checkpoint, Progress& progress);
 
 }  // namespace dpl

@@ -45,9 +45,10 @@ Status StageOf<Package>::make(StageInputs& in, StageContext& context) {
         removePart(avatar, part.part);
     }
     dropEmptyCorrectives(avatar);
+    const std::filesystem::path checkpoint = context.folder / "checkpoint";
     if (makesUp) {
         const TaskPart part(0, 0.5);
-        DPL_TRY(avatar, trainedOn(std::move(avatar), learns, *assembled, settings, in.jobs()));
+        DPL_TRY(avatar, trainedOn(std::move(avatar), learns, *assembled, settings, in.jobs(), checkpoint, context.progress));
         DPL_TRY(avatar, asReadersDecode(avatar, in.jobs()));
     }
     avatar.evidence = layers->decided;
@@ -57,6 +58,8 @@ Status StageOf<Package>::make(StageInputs& in, StageContext& context) {
                            in.jobs()));
     avatar.captureMap = mapped->capture;
     DPL_TRY(auto bytes, writeAvatar(avatar, kPackaged));
+    std::error_code ignored;
+    std::filesystem::remove(checkpoint, ignored);
     return writeFileAtomically(context.folder / "avatar.glb", bytes);
 }
 

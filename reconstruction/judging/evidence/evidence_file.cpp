@@ -16,6 +16,10 @@ constexpr std::array<const char*, 5> kPartNames{"corrective-offsets", "correctiv
 
 }  // namespace
 
+const char* nameOf(AvatarPart part) {
+    return kPartNames[size_t(part)];
+}
+
 bool hasPart(const AvatarData& avatar, AvatarPart part) {
     if (part == AvatarPart::ViewDependentColour) return avatar.splats.shDegree > 0;
     if (part == AvatarPart::MotionModes) return !avatar.correctives.motion.empty();
@@ -55,7 +59,7 @@ void dropEmptyCorrectives(AvatarData& avatar) {
 Status writeEvidence(const std::vector<PartEvidence>& parts, const std::filesystem::path& path) {
     nlohmann::json list = nlohmann::json::array();
     for (const PartEvidence& p : parts)
-        list.push_back({{"id", kPartNames[size_t(p.part)]},
+        list.push_back({{"id", nameOf(p.part)},
                         {"part", p.row.part},
                         {"kept", p.row.kept},
                         {"gain_db", p.row.gainDb},

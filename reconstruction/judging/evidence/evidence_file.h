@@ -17,6 +17,8 @@ struct PartEvidence {
     EvidenceData row;
 };
 
+/** Its name in files: "corrective-offsets". */
+const char* nameOf(AvatarPart part);
 /** Whether the avatar has the part. */
 bool hasPart(const AvatarData& avatar, AvatarPart part);
 /** Sets the offsets or the brightness of all control nodes to zero, removes the motion modes or the light of the scene, or reduces SH to

@@ -14,6 +14,8 @@ namespace dpl {
 struct MotionFaults {
     double flickerLevels = 0;  // mean over slow sweeps (report/flicker.h); 0 with fewer than two moving frames
     double penetration = 0;    // share of garment vertices inside the body (garments/cloth_faults.h), mean over the moving frames' poses
+
+    friend bool operator==(const MotionFaults&, const MotionFaults&) = default;
 };
 
 /** Part of the way from `from` to `to`: as far as turns no joint by more than 0.02 rad and moves the root by no more than 1 cm. */

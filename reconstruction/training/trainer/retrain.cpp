@@ -18,10 +18,10 @@ CoOptimiseSettings retrainSettings(const CoOptimiseSettings& trained, const Retr
 }
 
 Result<AvatarData> retrain(AvatarData avatar, std::vector<uint8_t> triangleLabel, std::vector<TrainFrame> frames,
-                           const CoOptimiseSettings& settings, Jobs& jobs) {
+                           const CoOptimiseSettings& settings, Jobs& jobs, const std::function<Status(CoOptimiser&)>& run) {
     DPL_TRY(auto trainer,
             CoOptimiser::createFrom(inputOf(avatar, std::move(triangleLabel), std::move(frames)), avatar.splats, settings, jobs));
-    DPL_RETURN_IF_ERROR(trainer->run());
+    DPL_RETURN_IF_ERROR(run(*trainer));
     CoOptimiseResult result = trainer->result();
     avatar.splats = std::move(result.splats);
     avatar.mesh.restPositions = std::move(result.restPositions);

@@ -190,8 +190,8 @@ TEST_F(MotionClockTest, refusesForeignAndImpossibleStates) {
         std::vector<uint8_t> bad = good;
         bad[byte] ^= 0x80;
         Pose shown = turned(0);
-        if (clock.restore(motion_, bad, shown))
-            for (const double k : coefficients(shown)) EXPECT_TRUE(std::isfinite(k)) << byte;
+        if (!clock.restore(motion_, bad, shown)) continue;
+        for (const double k : coefficients(shown)) EXPECT_TRUE(std::isfinite(k)) << byte;
     }
     std::vector<uint8_t> huge = good;
     const double billion = 1e9;

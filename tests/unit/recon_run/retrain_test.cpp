@@ -6,9 +6,11 @@
 
 #include "reconstruction/judging/evidence/evidence_file.h"
 #include "reconstruction/judging/report/score.h"
+#include "reconstruction/run/resumed_training.h"
 #include "reconstruction/run/stage_body_map.h"
 #include "reconstruction/run/stage_evidence.h"
 #include "reconstruction/run/stage_package.h"
+#include "tests/unit/heard_task.h"
 #include "tests/unit/recon_run/toy_reconstruction.h"
 
 namespace dpl::test {
@@ -58,6 +60,38 @@ TEST(Retrain, doesNotDependOnTheNumberOfThreads) {
     Jobs one(1), three(3);
     EXPECT_EQ(bytesOf(must(retrain(toy.avatar, {}, frames, settings, one))),
               bytesOf(must(retrain(toy.avatar, {}, frames, settings, three))));
+}
+
+TEST(Retrain, aStoppedOneGoesOnFromItsCheckpointToTheSameBytes) {
+    ToyReconstruction toy;
+    toy.takePictures(toy.avatar);
+    const auto frames = framesOfToy(toy);
+    const CoOptimiseSettings settings = retrainSettings(settingsOf({}).training, {}, 24, toy.avatar.splats.shDegree);
+    const auto checkpoint = toy.folder / "checkpoint";
+    std::vector<uint32_t> starts;
+    const auto go = [&] {
+        return retrain(toy.avatar, {}, frames, settings, toy.jobs, [&](CoOptimiser& trainer) {
+            const Status ran = trainFromCheckpoint(trainer, checkpoint, 1e9, toy.progress);
+            starts.push_back(trainer.step());
+            return ran;
+        });
+    };
+    HeardTask stopped(9);
+    {
+        const TaskScope scope(&stopped);
+        const auto cut = go();
+        ASSERT_FALSE(cut);
+        EXPECT_EQ(cut.error().code, Code::Cancelled);
+    }
+    EXPECT_TRUE(std::filesystem::exists(checkpoint));
+    EXPECT_GT(starts[0], 0u);
+    EXPECT_LT(starts[0], 24u);
+    HeardTask heard;
+    const TaskScope scope(&heard);
+    const AvatarData continued = must(go());
+    ASSERT_FALSE(heard.heard.empty());
+    EXPECT_NEAR(heard.heard.front().first, starts[0] / 24.0, 1e-9) << "the second run did not begin where the first ended";
+    EXPECT_EQ(bytesOf(continued), bytesOf(must(retrain(toy.avatar, {}, frames, settings, toy.jobs))));
 }
 
 /** The avatar that the package stage ships when the evidence keeps or drops the light. */

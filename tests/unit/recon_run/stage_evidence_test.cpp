@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
 
+#include <nlohmann/json.hpp>
+
+#include "reconstruction/judging/evidence/jury_scores.h"
 #include "reconstruction/run/stage_assemble.h"
 #include "reconstruction/run/stage_evidence.h"
 #include "tests/unit/recon_run/toy_reconstruction.h"
@@ -139,6 +142,32 @@ TEST(StageEvidence, aPartWithTooSmallAGainIsDropped) {
     EXPECT_FALSE(offsets.kept) << "10 µm are true, but nobody sees them";
     EXPECT_NEAR(offsets.gainDb, 0, 0.05);
     EXPECT_TRUE(rowOf(*measured, AvatarPart::ViewDependentColour).kept);
+}
+
+TEST(StageEvidence, aKilledOneKeepsTheScoresThatItHad) {
+    ToyReconstruction toy;
+    toy.avatar.correctives = ballCorrectives(toy.avatar.mesh, {0.04f, 0, 0, 0}, {0, 0, 0.04f, 0});
+    toy.takePictures(toy.avatar);
+    const auto whole = measure(toy);
+    ASSERT_TRUE(whole) << whole.error().message;
+
+    // As if the process had died while it judged the avatar without colour. The planted score shows whether anybody read it.
+    const auto folder = toy.folder / "out" / "stages" / "evidence", work = std::filesystem::path(folder.string() + ".work");
+    const std::string key = nlohmann::json::parse(must(readFile(folder / "manifest.json")))["key"];
+    std::filesystem::rename(folder, work);
+    std::filesystem::remove(work / "evidence.json");
+    ASSERT_TRUE(
+        writeFileAtomically(work / "manifest.json", nlohmann::json{{"stage", "evidence"}, {"key", key}, {"finished", false}}.dump()));
+    JuryScores scores(work / "scores.json");
+    JuryScore planted = scores.find("corrective-offsets").value();
+    planted.maskedPsnrDb -= 7;
+    ASSERT_TRUE(scores.add("corrective-offsets", planted));
+
+    const auto again = measure(toy);
+    ASSERT_TRUE(again) << again.error().message;
+    EXPECT_NEAR(rowOf(*again, AvatarPart::CorrectiveOffsets).gainDb, rowOf(*whole, AvatarPart::CorrectiveOffsets).gainDb + 7, 1e-4);
+    EXPECT_EQ(rowOf(*again, AvatarPart::ViewDependentColour).gainDb, rowOf(*whole, AvatarPart::ViewDependentColour).gainDb);
+    for (const auto& file : std::filesystem::directory_iterator(folder)) EXPECT_NE(file.path().extension(), ".checkpoint") << file.path();
 }
 
 TEST(StageEvidence, saysWhatWasNotTrained) {

@@ -34,8 +34,8 @@ inline std::vector<std::vector<uint32_t>> openings(const MeshData& mesh, const L
     std::map<uint32_t, uint32_t> next;
     for (const auto& [edge, count] : edges) {
         EXPECT_EQ(count, 1) << layer.name;
-        if (!edges.contains({edge.second, edge.first}))
-            EXPECT_TRUE(next.try_emplace(edge.first, edge.second).second) << layer.name << ": borders touch";
+        if (edges.contains({edge.second, edge.first})) continue;
+        EXPECT_TRUE(next.try_emplace(edge.first, edge.second).second) << layer.name << ": borders touch";
     }
     std::vector<std::vector<uint32_t>> loops;
     while (!next.empty()) {
