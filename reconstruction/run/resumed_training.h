@@ -10,8 +10,8 @@
 
 namespace dpl {
 
-/** Trains to the end. Goes on from the file `checkpoint` where it belongs to this training, else a note says why not. Leaves one there every
- * everyS seconds and at a stop; the caller removes it once the result is kept. after: called every 100 steps; may be empty. Errors:
+/** Trains to the end. Goes on from the file `checkpoint` where it belongs to this training, else a note says why not. Leaves one there
+ * every everyS seconds and at a stop; the caller removes it once the result is kept. after: called every 100 steps; may be empty. Errors:
  * Cancelled; a checkpoint that cannot be written. */
 Status trainFromCheckpoint(CoOptimiser& trainer, const std::filesystem::path& checkpoint, double everyS, Progress& progress,
                            const std::function<void()>& after = {});

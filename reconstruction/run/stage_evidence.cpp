@@ -74,12 +74,17 @@ Result<Jury> chooseJury(StageInputs& in, const AssembledAvatar& assembled) {
     return jury;
 }
 
-/** Trains avatars on and scores them on the jury's frames. A stopped stage keeps the scores that it has, and a checkpoint of the avatar that
- *  it was at, in context.folder. */
+/** Trains avatars on and scores them on the jury's frames. A stopped stage keeps the scores that it has, and a checkpoint of the avatar
+ * that it was at, in context.folder. */
 class Judge {
 public:
     Judge(const AssembledAvatar& assembled, const Jury& jury, const RunSettings& settings, Jobs& jobs, StageContext& context)
-        : assembled_(assembled), jury_(jury), settings_(settings), jobs_(jobs), context_(context), scores_(context.folder / "scores.json") {}
+        : assembled_(assembled),
+          jury_(jury),
+          settings_(settings),
+          jobs_(jobs),
+          context_(context),
+          scores_(context.folder / "scores.json") {}
 
     /** The score of `avatar` after it was trained on. name: of the avatar, for the next run. */
     Result<JuryScore> score(const std::string& name, AvatarData avatar, const RetrainParts& parts) {
@@ -150,8 +155,7 @@ const char* whyNotTrained(AvatarPart part, const RunSettings& settings) {
     return "not trained: too few moving frames, or all in one pose";
 }
 
-Status weigh(const AssembledAvatar& assembled, const Jury& jury, const RunSettings& settings, Jobs& jobs,
-             StageContext& context) {
+Status weigh(const AssembledAvatar& assembled, const Jury& jury, const RunSettings& settings, Jobs& jobs, StageContext& context) {
     constexpr double kShare = 1.0 / 6;  // of the work: the whole avatar, and one without each part
     Judge judge(assembled, jury, settings, jobs, context);
     const AvatarData& avatar = assembled.avatar;

@@ -20,8 +20,8 @@ CoOptimiseSettings retrainSettings(const CoOptimiseSettings& trained, const Retr
 /** Trains an avatar on. triangleLabel: as in CoOptimiseInput. The poses of `frames` are those that it was trained with. Splats keep their
  * number. The result does not depend on the number of threads. run: takes the trainer to its end, as CoOptimiser::run() does. Errors: those
  * of `run`; Cancelled. */
-Result<AvatarData> retrain(AvatarData avatar, std::vector<uint8_t> triangleLabel, std::vector<TrainFrame> frames,
-                           const CoOptimiseSettings& settings, Jobs& jobs,
-                           const std::function<Status(CoOptimiser&)>& run = [](CoOptimiser& trainer) { return trainer.run(); });
+Result<AvatarData> retrain(
+    AvatarData avatar, std::vector<uint8_t> triangleLabel, std::vector<TrainFrame> frames, const CoOptimiseSettings& settings, Jobs& jobs,
+    const std::function<Status(CoOptimiser&)>& run = [](CoOptimiser& trainer) { return trainer.run(); });
 
 }  // namespace dpl
