@@ -29,6 +29,14 @@ void addReconstructCommand(CLI::App& app, CommandRun& run) {
     command->add_option("--steps", options->steps, "Number of training steps instead of the preset's, for comparisons")
         ->check(inRange(0, 10000000))
         ->excludes("--time-budget");
+    command
+        ->add_option(
+            "--from", options->from,
+            "A checkpoint of a stopped run of this scan (OUT/stages/co-optimise.work/checkpoint): training goes on from it with the "
+            "settings of this run, and says what changed")
+        ->type_name("CHECKPOINT")
+        ->check(CLI::ExistingFile)
+        ->excludes("--time-budget");
     command->add_option("--checkpoint-every", options->checkpointS, "Seconds of training that a kill may lose")
         ->check(inRange(0.0, 1e5))
         ->capture_default_str();
@@ -54,6 +62,7 @@ void addReconstructCommand(CLI::App& app, CommandRun& run) {
         "  doppel reconstruct scan -o ada\n"
         "  doppel reconstruct scan -o ada --preset draft\n"
         "  doppel presets high -o mine.json && doppel reconstruct scan -o ada --preset mine.json      (your own numbers)\n"
+        "  cp -r ada bob && doppel reconstruct scan -o bob --from ada/stages/co-optimise.work/checkpoint --preset mine.json\n"
         "  doppel reconstruct polycam-export -o ada            (imported into ada/scan first; see doppel import --help)\n"
         "  doppel reconstruct orbit -o him     (pictures and cameras only: the networks of tools/models find the rest)\n"
         "Ctrl-C or a kill loses at most one checkpoint interval; the same command continues. doppel-viewer ada shows how far it is.");

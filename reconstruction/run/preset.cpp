@@ -32,7 +32,7 @@ RunSettings settingsOf(const ReconstructOptions& options, std::span<const ScanLa
         s = withTrainingSteps(s, options.steps);
     else
         s.timeBudgetMinutes = options.timeBudgetMinutes;
-    s.checkpointS = options.checkpointS;
+    s.checkpointS = options.checkpointS, s.from = options.from;
     s.layers = !options.without.layers;
     if (options.without.largeSteps) s.training.smoothingLengthM = 0;
     if (options.without.light) s.training.rateNodeLight = 0, s.training.learnLight = false;

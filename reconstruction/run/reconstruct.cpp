@@ -66,6 +66,17 @@ Status writeCameras(const FrameTable& table, const std::filesystem::path& path) 
     return {};
 }
 
+/** A checkpoint in the output folder would be removed before it is read. */
+Status checkFrom(const ReconstructOptions& options) {
+    if (options.from.empty()) return {};
+    std::error_code error;
+    const auto file = std::filesystem::weakly_canonical(options.from, error), out = std::filesystem::weakly_canonical(options.out, error);
+    const auto inside = file.lexically_relative(out);
+    if (inside.empty() || *inside.begin() == "..") return {};
+    return fail(Code::InvalidArgument, "{} lies in the output folder, which this run changes; choose another output with -o",
+                options.from.string());
+}
+
 /** Gives `work` a run with the request, and returns what it returns. */
 template <class T>
 Result<T> withRequest(const ReconstructOptions& options, Progress& progress, const std::function<Result<T>(Run&)>& work) {
@@ -132,6 +143,7 @@ Result<ReconstructResult> completeRun(Run& run) {
 }
 
 Result<ReconstructResult> reconstruct(const ReconstructOptions& options, Progress& progress) {
+    DPL_RETURN_IF_ERROR(checkFrom(options));
     auto result = withRun<ReconstructResult>(options, progress, completeRun);
     if (!result && result.error().code == Code::Cancelled)
         return fail(Code::Cancelled, "{}. Nothing that was finished is lost: run the same command again to go on", result.error().message);

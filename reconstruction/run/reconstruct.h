@@ -43,6 +43,7 @@ struct ReconstructOptions {
     Preset preset = *findPreset("standard");
     double timeBudgetMinutes = 0;  // of training; 0: the preset's number of steps
     uint32_t steps = 0;            // of training; 0: the preset's number; above 0: the time budget is ignored
+    std::filesystem::path from;    // a checkpoint of a stopped training of the same scan, which this one continues with its own settings
     uint64_t seed = 1;
     WithoutParts without;
     std::filesystem::path web;  // folder of the web module, with which the person of the report moves; empty: the picture stands still

@@ -79,6 +79,11 @@ Status train(CoOptimiseInput input, const RunSettings& settings, Jobs& jobs, Sta
         DPL_TRY(training.steps, stepsInBudget(input, settings, jobs, context));
     }
     DPL_TRY(auto optimiser, CoOptimiser::create(std::move(input), training, jobs));
+    if (!settings.from.empty()) {
+        DPL_TRY(const std::string changes, optimiser->branch(settings.from));
+        context.progress.note(formatText("going on from step {} of {}; {}", optimiser->step(), settings.from.string(),
+                                         changes.empty() ? "nothing changed" : "changed: " + changes));
+    }
     DPL_RETURN_IF_ERROR(trainFromCheckpoint(*optimiser, context.folder / kCheckpointFile, settings.checkpointS, context.progress,
                                             [&] { shown.after(*optimiser, training.steps); }));
     return writeTrainedFile(optimiser->result(), context.folder / kTrainedFile);
@@ -128,6 +133,10 @@ Status StageOf<Training>::inputs(StageInputs& in) {
     DPL_TRY([[maybe_unused]] const MetricCameras* cameras, in.part<MetricCameras>());
     in.value("training", table->trainingHash);
     in.value("settings", trainingInputs(*settings));
+    if (!settings->from.empty()) {
+        DPL_TRY(const std::string hash, hashFile(settings->from));
+        in.value("from", hash);
+    }
     DPL_RETURN_IF_ERROR(in.use<FittedBody>());
     DPL_RETURN_IF_ERROR(in.use<GarmentLayers>());
     return in.use<RegisteredPoses>();

@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// CoOptimiser::checkpoint() and restore(). The versioned file holds every number that the next step reads:
+// CoOptimiser::checkpoint(), restore() and branch(). The versioned file holds every number that the next step reads:
 //
-//   "DPLT" | version u32 | fingerprint u64 | payload bytes u64 | payload hash u64 | payload: the fields of learned.h in order
+//   "DPLT" | version u32 | input hash u64 | payload bytes u64 | payload hash u64 | payload: the fields of learned.h in order, the settings
 #include <xxhash.h>
 
+#include <charconv>
 #include <cmath>
+#include <cstring>
 
 #include "reconstruction/training/trainer/co_optimise_state.h"
 #include "reconstruction/training/trainer/corrective_bytes.h"
@@ -15,7 +17,7 @@
 namespace dpl {
 namespace {
 
-constexpr uint32_t kMagic = 0x544C5044, kVersion = 6;
+constexpr uint32_t kMagic = 0x544C5044, kVersion = 7;
 
 /** True when all `count` values are finite. Integers always are. */
 template <class Number>
@@ -106,26 +108,65 @@ private:
     }
 };
 
-/** Visitor of the settings' fields that writes them one by one. The bytes of a whole struct would include undefined padding. */
-struct SettingsWriter {
-    Writer& out;
+/** Visitor of the settings' fields that writes a line each: "loss.l1 0.8". Numbers are as short as they can be read back. */
+struct SettingsText {
+    std::string& out;
+    std::string group;
     template <class T>
-    void operator()(const char*, const T& field) const {
+    void operator()(const char* name, const T& field) const {
         if constexpr (std::is_arithmetic_v<T>)
-            out.value(field);
+            out += group + name + number(field) + "\n";
         else
-            visitFields(field, *this);
+            visitFields(field, SettingsText{out, group + name + "."});
     }
     template <class T>
-    void operator()(const char*, const std::vector<T>& field) const {
-        putArray(out, field);
+    void operator()(const char* name, const std::vector<T>& field) const {
+        out += group + name;
+        for (const T& one : field) out += number(one);
+        out += "\n";
+    }
+
+private:
+    template <class T>
+    static std::string number(T value) {
+        char text[40] = " ";
+        if constexpr (std::is_same_v<T, bool>)
+            text[1] = value ? '1' : '0';
+        else
+            std::to_chars(text + 1, text + sizeof text - 1, value);
+        return text;
     }
 };
 
+std::string textOf(const CoOptimiseSettings& settings) {
+    std::string text;
+    visitFields(settings, SettingsText{text, {}});
+    return text;
+}
+
+/** The value of a line of SettingsText. */
+std::string valueOf(const std::string& text, const std::string& name) {
+    const std::string lines = "\n" + text;
+    const size_t at = lines.find("\n" + name + " ");
+    if (at == std::string::npos) return {};
+    const size_t begin = at + name.size() + 2;
+    return lines.substr(begin, lines.find('\n', begin) - begin);
+}
+
+/** What changed between two texts of settings: "steps 3000 to 5000, rateDc 0.005 to 0.004". */
+std::string changesOf(const std::string& before, const std::string& now) {
+    std::string changes;
+    for (size_t at = 0; at < now.size(); at = now.find('\n', at) + 1) {
+        const std::string name = now.substr(at, now.find_first_of(" \n", at) - at);
+        const std::string was = valueOf(before, name), is = valueOf(now, name);
+        if (was != is) changes += (changes.empty() ? "" : ", ") + formatText("{} {} to {}", name, was.empty() ? "nothing" : was, is);
+    }
+    return changes;
+}
+
 /** The checks that need several fields: triangle order, complete poses, moments of equal length. */
-Status checkLearned(const Learned& learned, const CoOptimiseInput& input, uint32_t steps) {
+Status checkLearned(const Learned& learned, const CoOptimiseInput& input) {
     const auto damaged = [](const char* what) { return fail(Code::CorruptData, "{}", what); };
-    if (learned.step > steps) return damaged("more steps than the run has");
     const std::vector<uint32_t>& triangle = learned.layer.splats.triangle;
     for (size_t i = 0; i < triangle.size(); ++i)
         if (triangle[i] >= input.mesh.triangles.size() || (i > 0 && triangle[i] < triangle[i - 1])) return damaged("triangle order");
@@ -144,9 +185,8 @@ void CoOptimiser::State::hashPicture(const FramePicture& picture) {
         pictureHashes.push_back(XXH3_64bits(pixels->data(), pixels->size()));
 }
 
-uint64_t CoOptimiser::State::fingerprint() const {
+uint64_t CoOptimiser::State::inputHash() const {
     Writer w;
-    visitFields(settings, SettingsWriter{w});
     putArray(w, input.mesh.restPositions), putArray(w, input.mesh.triangles), putArray(w, input.triangleLabel);
     putCorrectiveModel(w, input.correctives);
     w.value(input.light.irradiance);
@@ -168,17 +208,18 @@ Status CoOptimiser::checkpoint(const std::filesystem::path& path) const {
     FieldWriter fields{w};
     if (Status written = visitLearned(state_->learned, state_->learned, fields); !written)
         return fail(Code::Internal, "checkpoint '{}': {}", path.string(), written.error().message);
+    const std::string settings = textOf(state_->settings);
+    putArray(w, std::vector<char>(settings.begin(), settings.end()));
     const std::vector<uint8_t> payload = w.finish();
     Writer file;
-    file.value(kMagic), file.value(kVersion), file.value(state_->fingerprint()), file.value(uint64_t(payload.size()));
+    file.value(kMagic), file.value(kVersion), file.value(state_->inputHash()), file.value(uint64_t(payload.size()));
     file.value(uint64_t(XXH3_64bits(payload.data(), payload.size())));
     file.append(payload);
     return writeFileAtomically(path, file.finish());
 }
 
-Status CoOptimiser::restore(const std::filesystem::path& path) {
+Result<CoOptimiser::State::Stored> CoOptimiser::State::read(const std::filesystem::path& path) const {
     DPL_TRY(const std::vector<uint8_t> bytes, readFile(path));
-    State& s = *state_;
     const auto damaged = [&](std::string_view what) {
         return fail(Code::CorruptData, "checkpoint '{}' is damaged ({}): delete it and train again", path.string(), what);
     };
@@ -189,29 +230,60 @@ Status CoOptimiser::restore(const std::filesystem::path& path) {
     if (version != kVersion)
         return fail(Code::Version, "checkpoint '{}' has version {}, this build reads {}: delete it and train again", path.string(), version,
                     kVersion);
-    DPL_TRY(const uint64_t fingerprint, r.value<uint64_t>());
-    if (fingerprint != s.fingerprint())
-        return fail(Code::InvalidArgument, "checkpoint '{}' belongs to other input or settings: delete it and train again", path.string());
+    DPL_TRY(const uint64_t input, r.value<uint64_t>());
+    if (input != inputHash())
+        return fail(Code::InvalidArgument, "checkpoint '{}' belongs to other pictures, poses, clothes or light: delete it and train again",
+                    path.string());
     DPL_TRY(const uint64_t size, r.value<uint64_t>());
     DPL_TRY(const uint64_t hash, r.value<uint64_t>());
     if (size != r.remaining() || hash != XXH3_64bits(bytes.data() + r.position(), size)) return damaged("wrong length or hash");
 
-    Learned read = s.learned;  // fields that are not stored keep their values
+    Stored stored{learned, {}};  // fields that are not stored keep their values
     FieldReader fields{r};
-    if (Status good = visitLearned(read, s.learned, fields); !good) return damaged(good.error().message);
-    if (Status good = checkLearned(read, s.input, s.settings.steps); !good) return damaged(good.error().message);
+    if (Status good = visitLearned(stored.learned, learned, fields); !good) return damaged(good.error().message);
+    if (Status good = checkLearned(stored.learned, this->input); !good) return damaged(good.error().message);
+    std::vector<char> text;
+    if (Status good = getArray(r, text); !good) return damaged(good.error().message);
+    stored.changes = changesOf({text.begin(), text.end()}, textOf(settings));
+    return stored;
+}
 
-    s.learned = std::move(read);
-    TrainableSplats& splats = s.learned.layer.splats;
+void CoOptimiser::State::adopt(Learned stored) {
+    learned = std::move(stored);
+    TrainableSplats& splats = learned.layer.splats;
     std::vector<float> rows = std::move(splats.rows);
     splats.resize(uint32_t(splats.triangle.size()), splats.shDegree);
     splats.rows = std::move(rows);
-    splats.indexTriangles(s.mesh.triangles.size());
-    splats.activateAll(s.jobs);
-    s.learned.layer.adam.stride = splats.stride;
-    s.orderEpoch = ~0ull;
-    s.applyOffsets();
+    splats.indexTriangles(mesh.triangles.size());
+    splats.activateAll(jobs);
+    learned.layer.adam.stride = splats.stride;
+    orderEpoch = ~0ull;
+    applyOffsets();
+}
+
+Status CoOptimiser::restore(const std::filesystem::path& path) {
+    DPL_TRY(State::Stored stored, state_->read(path));
+    if (!stored.changes.empty())
+        return fail(Code::InvalidArgument, "checkpoint '{}' belongs to other settings ({}): delete it and train again", path.string(),
+                    stored.changes);
+    if (stored.learned.step > state_->settings.steps)
+        return fail(Code::CorruptData, "checkpoint '{}' is damaged (more steps than the run has): delete it and train again",
+                    path.string());
+    state_->adopt(std::move(stored.learned));
     return {};
+}
+
+Result<std::string> CoOptimiser::branch(const std::filesystem::path& path) {
+    DPL_TRY(State::Stored stored, state_->read(path));
+    for (const char* fixed : {"init.shDegree ", "smoothingLengthM "})  // decide what the stored numbers mean
+        if (stored.changes.find(fixed) != std::string::npos)
+            return fail(Code::InvalidArgument, "checkpoint '{}' cannot go on with other settings of this kind ({}): keep {}", path.string(),
+                        stored.changes, std::string(fixed, std::strlen(fixed) - 1));
+    if (stored.learned.step >= state_->settings.steps)
+        return fail(Code::InvalidArgument, "checkpoint '{}' has taken {} steps, and this training has {}: give it more", path.string(),
+                    stored.learned.step, state_->settings.steps);
+    state_->adopt(std::move(stored.learned));
+    return stored.changes;
 }
 
 }  // namespace dpl

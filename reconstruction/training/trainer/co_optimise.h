@@ -114,6 +114,10 @@ public:
     /** Reads a state that was written with the same input and settings. Refuses one of another run, a damaged file and numbers that are
      *  not finite; after an error the state is unchanged. */
     Status restore(const std::filesystem::path& path);
+    /** Goes on from a state that was written with the same input and other settings. Returns what changed, for people, "steps 3000 to
+     * 5000"; empty: nothing. Refuses what restore() refuses, a state with as many steps as this training has, and settings that change what
+     * its numbers mean: SH degree, smoothing length. */
+    Result<std::string> branch(const std::filesystem::path& path);
 
     /** Forgets the profile of the steps so far, and starts another one. The last epoch does so by itself. */
     void startProfile();

@@ -87,8 +87,15 @@ struct CoOptimiser::State {
     Vec4f startOf(uint32_t node, uint32_t column) const;
     float decay(float end) const;
     CurvePoint recentPoint() const;
-    std::string told() const;      // for people: how far it is
-    uint64_t fingerprint() const;  // hash of input and settings, to refuse a checkpoint of another run
+    std::string told() const;    // for people: how far it is
+    uint64_t inputHash() const;  // of everything that is given, to refuse a checkpoint of another run
+    /** What a checkpoint holds, checked, and how its settings differ from these, as text. */
+    struct Stored {
+        Learned learned;
+        std::string changes;
+    };
+    Result<Stored> read(const std::filesystem::path& path) const;
+    void adopt(Learned stored);
 };
 
 }  // namespace dpl

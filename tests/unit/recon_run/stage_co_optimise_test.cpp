@@ -91,6 +91,37 @@ TEST_F(StageCoOptimise, aStopInTrainingLeavesACheckpoint) {
     EXPECT_EXIT(stopped(), testing::ExitedWithCode(0), "");
 }
 
+TEST_F(StageCoOptimise, anotherRunGoesOnFromACheckpoint) {
+    GTEST_FLAG_SET(death_test_style, "threadsafe");
+    const fs::path kept = fs::path(testing::TempDir()) / "doppel_stage_from.checkpoint";
+    const auto leave = [&] {  // a stopped run's checkpoint
+        toy_.settings.timeBudgetMinutes = 0, toy_.settings.training.steps = 300;
+        toy_.settings.training.learnLight = false;
+        installSignalHandlers();
+        std::raise(SIGINT);
+        (void)train();
+        std::error_code failed;
+        fs::copy_file(work_ / "checkpoint", kept, fs::copy_options::overwrite_existing, failed);
+        fs::remove_all(toy_.folder);
+        std::_Exit(failed ? 1 : 0);
+    };
+    EXPECT_EXIT(leave(), testing::ExitedWithCode(0), "");
+    toy_.settings.timeBudgetMinutes = 0, toy_.settings.training.steps = 120;
+    toy_.settings.training.learnLight = false;
+    const std::string alone = must(train()).key;
+    toy_.settings.from = kept;
+    const auto branched = train();
+    ASSERT_TRUE(branched) << branched.error().message;
+    EXPECT_NE(branched->key, alone) << "where it began is part of the key";
+    EXPECT_EQ(branched->steps, 120u);
+    toy_.settings.training.steps = 60, toy_.settings.training.init.shDegree = 3;
+    const auto refused = train();
+    ASSERT_FALSE(refused);
+    EXPECT_NE(refused.error().message.find("keep init.shDegree"), std::string::npos) << refused.error().message;
+    fs::remove(kept);
+    EXPECT_FALSE(train()) << "the checkpoint is gone";
+}
+
 TEST_F(StageCoOptimise, theStepsThatABudgetAllowedArePartOfTheKeyOfLaterStages) {
     const Trained first = must(train());
     EXPECT_EQ(first.steps, 100u);

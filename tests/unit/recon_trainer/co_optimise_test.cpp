@@ -146,6 +146,58 @@ TEST(CoOptimise, damagedOrForeignCheckpointIsRefusedAndChangesNothing) {
     EXPECT_TRUE(t->restore(path));
 }
 
+TEST(CoOptimise, aBranchGoesOnWithOtherSettingsAndSaysWhatChanged) {
+    Jobs jobs(2);
+    const CoOptimiseSettings before = toySettings(32);
+    auto t = make(jobs, before);
+    ASSERT_TRUE(t->run(20));
+    const auto path = scratch("trainer_branch.checkpoint");
+    ASSERT_TRUE(t->checkpoint(path));
+
+    CoOptimiseSettings now = before;
+    now.steps = 40, now.rateDc = 1e-3f, now.loss.ssim = 0, now.levelStarts.back() = 0.5f;
+    auto other = make(jobs, now);
+    EXPECT_FALSE(other->restore(path)) << "another run's checkpoint is no place to resume from";
+    EXPECT_EQ(must(other->branch(path)), "steps 32 to 40, loss.ssim 0.2 to 0, rateDc 0.005 to 0.001, levelStarts 0 0.3 to 0 0.5");
+    EXPECT_EQ(other->step(), 20u);
+    ASSERT_TRUE(other->run());
+    EXPECT_EQ(other->step(), 40u);
+    ASSERT_TRUE(t->run());
+    EXPECT_TRUE(bytesOf(other->result()).at("sh") != bytesOf(t->result()).at("sh"));
+
+    auto same = make(jobs, before);
+    EXPECT_EQ(must(same->branch(path)), "");
+    ASSERT_TRUE(same->run());
+    expectSame(same->result(), t->result());
+}
+
+TEST(CoOptimise, aBranchThatCannotGoOnSaysWhy) {
+    Jobs jobs(1);
+    auto t = make(jobs, toySettings(16));
+    ASSERT_TRUE(t->run(8));
+    const auto path = scratch("trainer_no_branch.checkpoint");
+    ASSERT_TRUE(t->checkpoint(path));
+    const auto refused = [&](const CoOptimiseSettings& settings, float sway, const std::string& words) {
+        auto other = make(jobs, settings, sway);
+        const auto before = bytesOf(other->result());
+        const auto branched = other->branch(path);
+        ASSERT_FALSE(branched) << words;
+        EXPECT_NE(branched.error().message.find(words), std::string::npos) << branched.error().message;
+        EXPECT_NE(branched.error().message.find(path.string()), std::string::npos) << branched.error().message;
+        EXPECT_TRUE(bytesOf(other->result()) == before) << words;
+        EXPECT_EQ(other->step(), 0u);
+    };
+    refused(toySettings(8), 0.004f, "has taken 8 steps, and this training has 8");
+    CoOptimiseSettings other = toySettings(16);
+    other.init.shDegree = toySettings(16).init.shDegree + 1;
+    refused(other, 0.004f, "keep init.shDegree");
+    other = toySettings(16), other.smoothingLengthM *= 2;
+    refused(other, 0.004f, "keep smoothingLengthM");
+    refused(toySettings(16), 0.003f, "other pictures, poses, clothes or light");
+    ASSERT_TRUE(writeFileAtomically(path, std::string("no checkpoint")));
+    refused(toySettings(16), 0.004f, "not a checkpoint");
+}
+
 /** A checkpoint with another payload, with the length and hash that match it. */
 std::vector<uint8_t> withPayload(std::span<const uint8_t> checkpoint, std::span<const uint8_t> payload) {
     constexpr size_t kSizeAt = 16, kHashAt = 24, kPayloadAt = 32;
