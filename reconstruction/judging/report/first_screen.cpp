@@ -81,9 +81,9 @@ void addClips(std::string& html, const std::vector<ReportClip>& clips) {
         const ReportClip& clip = clips[c];
         const size_t count = clip.jpegs.size();
         keyframes += formatText("@keyframes clip{}{0%{opacity:1}{}%,100%{opacity:0}}", c, decimals(100.0 / double(count), 3));
-        figures += "<figure><div class=clip>";
+        figures += "<figure><div class=clip role=img aria-label=\"" + escapeHtml(clip.title) + "\">";
         for (size_t i = 0; i < count; ++i)
-            figures += jpegImage(clip.jpegs[i], clip.title,
+            figures += jpegImage(clip.jpegs[i], "",
                                  formatText("animation:clip{} {}s {}s step-end infinite", c, decimals(clip.seconds, 2),
                                             decimals(clip.seconds * (double(i) / double(count) - 1), 3)));
         figures += "</div><figcaption>" + escapeHtml(clip.title) + "</figcaption></figure>";

@@ -44,8 +44,8 @@ namespace {
 std::string image(const std::vector<uint8_t>& bytes, const char* type, const std::string& what, const std::string& style) {
     if (bytes.empty()) return {};
     const std::string text = escapeHtml(what);
-    return "<img alt=\"" + text + "\" title=\"" + text + (style.empty() ? "" : "\" style=\"" + style) + "\" src=\"data:image/" + type +
-           ";base64," + base64(bytes) + "\">";
+    return "<img alt=\"" + text + (text.empty() ? "" : "\" title=\"" + text) + (style.empty() ? "" : "\" style=\"" + style) +
+           "\" src=\"data:image/" + type + ";base64," + base64(bytes) + "\">";
 }
 
 }  // namespace

@@ -18,7 +18,8 @@ inline constexpr const char* kTableEnd = "</table></div>";
 /** The page's style sheet. */
 extern const char* const kPageStyle;
 
-/** An image whose bytes are in the page; empty without bytes. `what`: its text, for whom it cannot be shown to. style: of the element. */
+/** An image whose bytes are in the page; empty without bytes. `what`: its text, for whom it cannot be shown to; empty: those around it have
+ * it. style: of the element. */
 std::string pngImage(const std::vector<uint8_t>& png, const std::string& what);
 std::string jpegImage(const std::vector<uint8_t>& jpeg, const std::string& what, const std::string& style = {});
 

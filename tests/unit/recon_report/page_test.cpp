@@ -197,6 +197,8 @@ TEST(ReportPage, clipsShowEachPictureForItsShareOfTheRound) {
     for (const char* begin : {"clip0 2.00s -2.000s", "clip0 2.00s -1.500s", "clip0 2.00s -1.000s", "clip0 2.00s -0.500s"})
         EXPECT_EQ(countOf(page, begin), 1u) << begin;
     EXPECT_NE(page.find("<figcaption>The avatar walking</figcaption>"), std::string::npos);
+    EXPECT_EQ(countOf(page, "aria-label=\"The avatar walking\""), 1u) << "read out once, and not once a picture";
+    EXPECT_EQ(countOf(page, "alt=\"The avatar walking\""), 0u);
     EXPECT_NE(page.find("prefers-reduced-motion"), std::string::npos);
     EXPECT_EQ(pageOf(bareReport()).find("In motion"), std::string::npos);
 }
