@@ -13,6 +13,7 @@
 #include <set>
 
 #include "reconstruction/input/capture/scan.h"
+#include "reconstruction/subject/sample/sample_frames.h"
 #include "tests/unit/heard_task.h"
 
 namespace dpl {
@@ -195,6 +196,53 @@ TEST(SampleScan, sameBytesOnOneAndThreeThreads) {
         ASSERT_EQ(bytesOf(entry.path()), bytesOf(other / fs::relative(entry.path(), scanFolder()))) << entry.path();
     }
     EXPECT_GT(files, 26u * 4);
+}
+
+TEST(SampleFrames, areThoseOfTheScanWithoutItsLoss) {
+    Jobs one(1), two(2);
+    const Subject subject = makeSubject(tiny().seed, two);
+    const auto frames = sampleFrames(subject, tiny(), one);
+    ASSERT_TRUE(frames);
+    const auto scan = readScan(scanFolder());
+    ASSERT_TRUE(scan);
+    ASSERT_EQ(frames->size(), scan->frames.size());
+    for (size_t f = 0; f < frames->size(); ++f) {
+        const TrainFrame& frame = (*frames)[f];
+        const ScanFrame& written = scan->frames[f];
+        ASSERT_EQ(frame.name, written.name);
+        EXPECT_EQ(frame.kind, written.kind) << frame.name;
+        EXPECT_NEAR(glm::distance(frame.camera.eye(), written.camera.eye()), 0, 1e-6) << frame.name;
+        const auto picture = frame.picture.get();
+        const auto mask = readFrameMask(written), labels = readFrameLabels(written);
+        const auto image = readFrameImage(written);
+        ASSERT_TRUE(picture && mask && labels && image) << frame.name;
+        EXPECT_TRUE((*picture)->mask.pixels == mask->pixels) << frame.name;
+        EXPECT_TRUE((*picture)->labels.pixels == labels->pixels) << frame.name;
+        ASSERT_EQ((*picture)->image.pixels.size(), image->pixels.size());
+        double strays = 0;
+        for (size_t i = 0; i < image->pixels.size(); ++i) strays += std::abs(int((*picture)->image.pixels[i]) - int(image->pixels[i]));
+        EXPECT_LT(strays / double(image->pixels.size()), 6) << frame.name << ": JPEG loses 1 to 4.2 levels, two rays a pixel are noisy";
+    }
+}
+
+TEST(SampleFrames, aStopIsHeard) {
+    Jobs jobs(2);
+    const Subject subject = makeSubject(tiny().seed, jobs);
+    test::HeardTask task(2);
+    const TaskScope scope(&task);
+    const auto frames = sampleFrames(subject, tiny(), jobs);
+    ASSERT_FALSE(frames);
+    EXPECT_EQ(frames.error().code, Code::Cancelled);
+}
+
+TEST(SampleFrames, everyTriangleHasTheLabelOfItsLayer) {
+    Jobs jobs(2);
+    const Subject subject = makeSubject(1, jobs);
+    const std::vector<uint8_t> labels = triangleLabels(subject);
+    ASSERT_EQ(labels.size(), subject.mesh.triangles.size());
+    std::set<uint8_t> seen(labels.begin(), labels.end());
+    EXPECT_FALSE(seen.contains(0)) << "a triangle of no layer";
+    EXPECT_GE(seen.size(), 4u);
 }
 
 TEST(SampleScan, refusesAFolderInUseAndLeavesNothingWhenStopped) {
