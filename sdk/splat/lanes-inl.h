@@ -18,6 +18,9 @@ struct truth {
 HWY_INLINE truth operator&&(truth a, truth b) {
     return hn::And(a.mask, b.mask);
 }
+HWY_INLINE truth operator!(truth a) {
+    return hn::Not(a.mask);
+}
 
 /** One float per lane. */
 struct real {
@@ -138,6 +141,7 @@ HWY_INLINE real dot(const real3& a, const real3& b) {
 
 #define DPL_FN HWY_INLINE
 #include "sdk/math/formulas/binding.inl"
+#include "sdk/math/formulas/ellipse.inl"
 #include "sdk/math/formulas/footprint.inl"
 #include "sdk/math/formulas/sh.inl"
 #undef DPL_FN

@@ -3,26 +3,31 @@
 
 #include <algorithm>
 #include <atomic>
-#include <bit>
-#include <cmath>
-#include <cstring>
 
 #include "sdk/splat/coded_groups.h"
+#include "sdk/splat/write_kernel.h"
 
 namespace dpl {
 namespace {
 
 constexpr size_t kWriteBlock = 1024;  // splats of a job
-static_assert(kWriteBlock % kGroupSplats == 0);
+constexpr size_t kWriteAhead = 64;    // splats decoded at a time
+static_assert(kWriteBlock % kWriteAhead == 0 && kWriteAhead % kGroupSplats == 0);
 
-/** The frame of a triangle in the world. */
-TriangleFrame<float> placed(TriangleFrame<float> f, const Placement& placement) {
-    const Mat3f turn(placement.rotation);
-    const float scale = float(placement.scale);
-    for (Vec3f* corner : {&f.v0, &f.v1, &f.v2}) *corner = Vec3f(placement.toWorld(Vec3d(*corner)));
-    f.f0 = scale * (turn * f.f0), f.f1 = scale * (turn * f.f1);
-    f.normal = turn * f.normal, f.worldFromRest = turn * f.worldFromRest;
-    return f;
+WriteConstants constantsOf(const Placement& placement, const std::optional<Vec3f>& eye, uint32_t shDegree, const ShRotator& rotator) {
+    WriteConstants c{};
+    for (int row = 0; row < 3; ++row)
+        for (int column = 0; column < 3; ++column) c.rotation[3 * row + column] = float(placement.rotation[column][row]);
+    const Vec3f to(placement.translation), own = eye ? Vec3f(placement.toOwn(Vec3d(*eye))) : Vec3f(0);
+    for (int k = 0; k < 3; ++k) c.translation[k] = to[k], c.eye[k] = own[k];
+    c.scale = float(placement.scale), c.hasEye = eye.has_value(), c.shDegree = shDegree;
+    float *direction = c.shDirections, *inverse = c.shInverse;
+    for (uint32_t band = 1; band <= kMaxShDegree; ++band)
+        for (uint32_t i = 0; i < 2 * band + 1; ++i) {
+            for (int k = 0; k < 3; ++k) *direction++ = float(rotator.direction(band, i)[k]);
+            for (uint32_t k = 0; k < 2 * band + 1; ++k) *inverse++ = float(rotator.inverse(band, i, k));
+        }
+    return c;
 }
 
 }  // namespace
@@ -75,82 +80,28 @@ uint32_t PosedSplatWriter::choose(const CodedSplats& splats, const SplatDetail& 
 uint64_t PosedSplatWriter::write(const CodedSplats& splats, std::span<const TriangleFrame<float>> frames, const Placement& placement,
                                  std::span<const SplatColumn> columns, const std::optional<Vec3f>& eye, uint32_t shDegree,
                                  Jobs& jobs) const {
-    using namespace bound_field;
     const size_t count = kept_.empty() ? splats.count() : kept_.size();
-    const bool own = placement == Placement();
+    const WriteConstants constants = constantsOf(placement, eye, shDegree, rotator_);
     std::atomic<uint64_t> saturated = 0;
     jobs.forRange(count, kWriteBlock, [&](size_t begin, size_t end, uint32_t) {
-        alignas(64) float packed[kMaxGroupFloats];
+        alignas(64) float packed[kWriteAhead / kGroupSplats * kMaxGroupFloats];
         CodedGroups groups(splats, kept_.empty() ? uint32_t(begin) : kept_[begin].splat, detail_.shShare);
-        const uint32_t ownDegree = groups.shDegree(), ownFloats = 3 * shCoefficientCount(ownDegree);
-        TriangleFrame<float> moved;
+        const size_t groupFloats = size_t(groupFields(true, groups.shDegree())) * kGroupSplats;
         uint64_t beyond = 0;
-        for (size_t first = begin; first < end; first += kGroupSplats) {
-            const size_t lanes = std::min<size_t>(kGroupSplats, end - first);
-            if (kept_.empty()) {
-                groups.decode(uint32_t(first), packed);
-            } else {
-                ChosenSplat chosen[kGroupSplats];
-                for (size_t k = 0; k < lanes; ++k) chosen[k] = {kept_[first + k].splat, kept_[first + k].weight, kept_[first + k].growth};
-                groups.decode({chosen, lanes}, packed);
-            }
-            for (size_t lane = 0; lane < lanes; ++lane) {
-                const auto field = [&](uint32_t f) { return packed[f * kGroupSplats + lane]; };
-                const TriangleFrame<float>& frame = frames[std::bit_cast<uint32_t>(field(kTriangle))];
-                if (!own) moved = placed(frame, placement);
-                const PosedTriangle triangle(own ? frame : moved);
-                const Vec2f uv(field(kU), field(kV));
-                const Vec3f centre = triangle.centre(uv);
-                const SplatEllipse ellipse = triangle.ellipse({field(kAxis10), field(kAxis11), field(kAxis20), field(kAxis21)});
-                float sh[3 * kMaxShCoefficients];
-                for (uint32_t k = 0; k < ownFloats; ++k) sh[k] = field(kSh + k);
-                std::optional<GaussianAxes> axes;
-                for (const SplatColumn& column : columns) {
-                    float numbers[3 * kMaxShCoefficients];
-                    switch (column.what) {
-                        case SplatNumbers::Position:
-                            std::memcpy(numbers, &centre, sizeof centre);
-                            break;
-                        case SplatNumbers::Rotation:
-                        case SplatNumbers::RotationWxyz:
-                        case SplatNumbers::Scale: {
-                            if (!axes) axes = triangle.axes(ellipse);
-                            const Quatf& q = axes->rotation;
-                            if (column.what == SplatNumbers::Rotation)
-                                numbers[0] = q.x, numbers[1] = q.y, numbers[2] = q.z, numbers[3] = q.w;
-                            else if (column.what == SplatNumbers::RotationWxyz)
-                                numbers[0] = q.w, numbers[1] = q.x, numbers[2] = q.y, numbers[3] = q.z;
-                            else
-                                std::memcpy(numbers, &axes->scaleM, sizeof axes->scaleM);
-                            break;
-                        }
-                        case SplatNumbers::Covariance:
-                            triangle.covariance(ellipse, numbers);
-                            break;
-                        case SplatNumbers::Opacity:
-                            numbers[0] = field(kOpacity) * triangle.shown(centre, field(kSingleFace) > 0, eye);
-                            break;
-                        case SplatNumbers::Colour: {
-                            const Vec3f away = eye ? centre - *eye : Vec3f(0);
-                            const float distanceM = glm::length(away);
-                            const bool seen = ownDegree > 0 && distanceM > 0;
-                            const Vec3f direction = seen ? glm::transpose(triangle.frame().worldFromRest) * (away / distanceM) : Vec3f(0);
-                            const Vec3f colour = shColour(sh, seen ? ownDegree : 0, direction, triangle.light(uv));
-                            std::memcpy(numbers, &colour, sizeof colour);
-                            break;
-                        }
-                        case SplatNumbers::Sh: {
-                            std::memset(numbers, 0, sizeof numbers);
-                            std::memcpy(numbers, sh, ownFloats * sizeof(float));
-                            const uint32_t degree = std::min(shDegree, ownDegree);
-                            if (degree > 0) rotator_.turn(triangle.frame().worldFromRest, degree).apply(numbers);
-                            foldLight(triangle.light(uv), degree, numbers);
-                            break;
-                        }
-                    }
-                    beyond += column.to.write(first + lane, numbers, numbersOf(column.what, shDegree));
+        for (size_t first = begin; first < end; first += kWriteAhead) {
+            const size_t last = std::min(first + kWriteAhead, end);
+            float* group = packed;
+            for (size_t at = first; at < last; at += kGroupSplats, group += groupFloats) {
+                if (kept_.empty()) {
+                    groups.decode(uint32_t(at), group);
+                    continue;
                 }
+                const size_t lanes = std::min<size_t>(kGroupSplats, last - at);
+                ChosenSplat chosen[kGroupSplats];
+                for (size_t k = 0; k < lanes; ++k) chosen[k] = {kept_[at + k].splat, kept_[at + k].weight, kept_[at + k].growth};
+                groups.decode({chosen, lanes}, group);
             }
+            beyond += writeGroups({&constants, packed, uint32_t(last - first), groups.shDegree(), frames.data(), columns, first});
         }
         saturated += beyond;
     });

@@ -29,7 +29,7 @@ struct GaussianAxes {
     Vec3f scaleM;
 };
 
-/** A posed triangle, as the splats on it need it to leave it. */
+/** A posed triangle, as the splats on it need it to leave it, one at a time. PosedSplatWriter does the same by SIMD. */
 class PosedTriangle {
 public:
     /** Borrows the frame. */

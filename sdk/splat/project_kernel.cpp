@@ -16,19 +16,10 @@
 
 HWY_BEFORE_NAMESPACE();
 #include "sdk/splat/lanes-inl.h"
+#include "sdk/splat/packed_lanes-inl.h"
 
 namespace dpl {
 namespace HWY_NAMESPACE {
-
-constexpr size_t kLanes = hn::MaxLanes(D());
-static_assert(kGroupSplats % kLanes == 0);
-
-HWY_INLINE real load(const float* fields, uint32_t field) {
-    return hn::Load(D(), fields + field * kGroupSplats);
-}
-HWY_INLINE real3 load3(const float* fields, uint32_t field) {
-    return {load(fields, field), load(fields, field + 1), load(fields, field + 2)};
-}
 
 /** A splat in one view, without its colour. */
 struct Shape {
@@ -44,19 +35,10 @@ struct Shape {
     real planeDot, distanceM;
 };
 
-/** Copies four floats with one memcpy: at -O2 the compiler does not unroll short loops. */
-HWY_INLINE void copyQuad(const float* from, float* to) {
-    std::memcpy(to, from, 16);
-}
-
 HWY_INLINE real3 turn(const ProjectView& c, const real3& a) {
     const float* r = c.rotation;
     return {dot({real(r[0]), real(r[1]), real(r[2])}, a), dot({real(r[3]), real(r[4]), real(r[5])}, a),
             dot({real(r[6]), real(r[7]), real(r[8])}, a)};
-}
-
-HWY_INLINE real3 vectorOf(const float* xyz) {
-    return {real(xyz[0]), real(xyz[1]), real(xyz[2])};
 }
 
 HWY_INLINE Lens lensOf(const ProjectView& c) {
@@ -84,13 +66,6 @@ HWY_INLINE void staticShape(const ProjectTask& task, const Lens& lens, const flo
     s.cloth = real(0);
     s.light = real(1);
     s.valid = s.view.z > real(kNearM);
-}
-
-/** Loads four floats for each lane: returns the first three and sets w to the fourth. */
-HWY_INLINE real3 loadQuad(const float* quad, real& w) {
-    real3 a;
-    hn::LoadInterleaved4(D(), quad, a.x.v, a.y.v, a.z.v, w.v);
-    return a;
 }
 
 HWY_INLINE void boundShape(const ProjectTask& task, const Lens& lens, const float* fields, Shape& s) {
@@ -129,22 +104,11 @@ HWY_INLINE void boundShape(const ProjectTask& task, const Lens& lens, const floa
 /** 0.5 + Σ basis·sh. direction: unit, rest frame; sh: the first SH field of the group at this lane. */
 template <uint32_t kDegree>
 HWY_INLINE real3 shSum(const real3& direction, const float* sh) {
-    real3 c = {real(0.5), real(0.5), real(0.5)};
-    const auto add = [&](uint32_t k, real basis) HWY_ATTR { c = c + basis * load3(sh, 3 * k); };
-    add(0, real(kShC0));
-    if constexpr (kDegree >= 1) {
-        const ShBand1 b = shBand1(direction);
-        add(1, b.b1), add(2, b.b2), add(3, b.b3);
-    }
-    if constexpr (kDegree >= 2) {
-        const ShBand2 b = shBand2(direction);
-        add(4, b.b4), add(5, b.b5), add(6, b.b6), add(7, b.b7), add(8, b.b8);
-    }
-    if constexpr (kDegree >= 3) {
-        const ShBand3 b = shBand3(direction);
-        add(9, b.b9), add(10, b.b10), add(11, b.b11), add(12, b.b12), add(13, b.b13), add(14, b.b14), add(15, b.b15);
-    }
-    return c;
+    real3 sum = shBand0(sh);
+    if constexpr (kDegree >= 1) sum = addShBand<1>(sum, direction, sh);
+    if constexpr (kDegree >= 2) sum = addShBand<2>(sum, direction, sh);
+    if constexpr (kDegree >= 3) sum = addShBand<3>(sum, direction, sh);
+    return sum;
 }
 
 /** Stores (a, b, c, d) of each lane, kStride floats apart. */

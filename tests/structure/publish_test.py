@@ -24,7 +24,8 @@ class GpuProof(unittest.TestCase):
                  "samples": 1, "resident_bytes": 5, "ms_p50": 2.5, "gpu_ms_p50": 0.8, "draw_ms_p50": 0.1, "views": 1}
         line = {"case": "phone", "device": frame["device"], "views": 1, "pass": "tiles.fill", "gpu_ms_p50": 0.3, "gpu_ms_p95": 0.4}
         with tempfile.TemporaryDirectory() as folder:
-            for name, rows in (("device", [frame]), ("frames", [frame, line]), ("ways", [{"way": "read back"}])):
+            for name, rows in (("device", [frame]), ("frames", [frame, line]), ("ways", [{"way": "read back"}]),
+                               ("writes", [{"layout": "SH"}])):
                 (pathlib.Path(folder) / f"{name}.jsonl").write_text("".join(json.dumps(row) + "\n" for row in rows))
             said = self.say("report", folder, "--avatar", "demo/a.glb", "--shrink", 1, "--passed", 12, "--failed", 1, "--skipped", 2,
                             "--seconds", 90)
@@ -35,6 +36,7 @@ class GpuProof(unittest.TestCase):
         self.assertEqual([(f["case"], f["ms"], f["gpu_ms"], f["pass_gpu_ms"]) for f in got["frames"]],
                          [("phone", 2.5, 0.8, {"tiles.fill": 0.3})])
         self.assertEqual(got["ways"], [{"way": "read back"}])
+        self.assertEqual(got["writes"], [{"layout": "SH"}])
 
     def test_a_driver_on_the_cpu_is_told(self):
         self.assertTrue(machine.is_software("llvmpipe (LLVM 15.0.6, 256 bits)"))

@@ -3,7 +3,8 @@
 """The JSON of tools/prove-gpu, from the JSON lines of its benches.
 
     gpu_proof.py software FILE.jsonl    yes if the device of these frames is a driver on the CPU, otherwise no
-    gpu_proof.py report FOLDER ...      one JSON object of FOLDER/device.jsonl, frames.jsonl and ways.jsonl; a bench that failed left none
+    gpu_proof.py report FOLDER ...      one JSON object of device.jsonl, frames.jsonl, ways.jsonl and writes.jsonl in FOLDER; a bench that failed
+                                        left none
 """
 import argparse
 import json
@@ -45,6 +46,7 @@ def report(folder, options):
         "shrink": options.shrink,
         "frames": [frame(row) for row in frames],
         "ways": rows_of(folder / "ways.jsonl"),
+        "writes": rows_of(folder / "writes.jsonl"),
     }
 
 

@@ -174,7 +174,7 @@ uint32_t AppDevice::memoryType(uint32_t allowed, VkMemoryPropertyFlags wanted) c
     std::abort();
 }
 
-AppBuffer AppDevice::makeBuffer(VkDeviceSize bytes, VkBufferUsageFlags usage) {
+AppBuffer AppDevice::makeBufferIn(VkMemoryPropertyFlags memory, VkDeviceSize bytes, VkBufferUsageFlags usage) {
     AppBuffer made;
     made.bytes = bytes;
     VkBufferCreateInfo info{VK_STRUCTURE_TYPE_BUFFER_CREATE_INFO};
@@ -185,12 +185,30 @@ AppBuffer AppDevice::makeBuffer(VkDeviceSize bytes, VkBufferUsageFlags usage) {
     vkGetBufferMemoryRequirements(device, made.buffer, &needs);
     VkMemoryAllocateInfo allocation{VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO};
     allocation.allocationSize = needs.size;
-    allocation.memoryTypeIndex =
-        memoryType(needs.memoryTypeBits, VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT | VK_MEMORY_PROPERTY_HOST_COHERENT_BIT);
+    allocation.memoryTypeIndex = memoryType(needs.memoryTypeBits, memory);
     MUST(vkAllocateMemory(device, &allocation, nullptr, &made.memory));
     MUST(vkBindBufferMemory(device, made.buffer, made.memory, 0));
+    return made;
+}
+
+AppBuffer AppDevice::makeBuffer(VkDeviceSize bytes, VkBufferUsageFlags usage) {
+    AppBuffer made = makeBufferIn(VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT | VK_MEMORY_PROPERTY_HOST_COHERENT_BIT, bytes, usage);
     MUST(vkMapMemory(device, made.memory, 0, VK_WHOLE_SIZE, 0, reinterpret_cast<void**>(&made.mapped)));
     return made;
+}
+
+AppBuffer AppDevice::makeLocalBuffer(VkDeviceSize bytes, VkBufferUsageFlags usage) {
+    return makeBufferIn(VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT, bytes, usage);
+}
+
+double AppDevice::clockTickNs() const {
+    uint32_t count = 0;
+    vkGetPhysicalDeviceQueueFamilyProperties(physical, &count, nullptr);
+    std::vector<VkQueueFamilyProperties> families(count);
+    vkGetPhysicalDeviceQueueFamilyProperties(physical, &count, families.data());
+    VkPhysicalDeviceProperties about{};
+    vkGetPhysicalDeviceProperties(physical, &about);
+    return families[family].timestampValidBits > 0 ? double(about.limits.timestampPeriod) : 0;
 }
 
 void AppDevice::destroy(AppBuffer& buffer) {

@@ -28,7 +28,6 @@ struct AppImage {
     uint32_t width = 0, height = 0, layers = 1, samples = 1;
 };
 
-/** A mapped buffer, coherent. */
 struct AppBuffer {
     VkBuffer buffer = VK_NULL_HANDLE;
     VkDeviceMemory memory = VK_NULL_HANDLE;
@@ -68,8 +67,13 @@ public:
     /** The same with four samples a pixel, all of one value. */
     AppImage makeFourSampleDepth(uint32_t width, uint32_t height, float value);
     void destroy(AppImage& image);
+    /** Mapped, coherent. */
     AppBuffer makeBuffer(VkDeviceSize bytes, VkBufferUsageFlags usage);
+    /** In the memory of the device, not mapped. */
+    AppBuffer makeLocalBuffer(VkDeviceSize bytes, VkBufferUsageFlags usage);
     void destroy(AppBuffer& buffer);
+    /** Nanoseconds of a tick of vkCmdWriteTimestamp; 0: the queue has none. */
+    double clockTickNs() const;
 
     /** A pass with one colour attachment and, with a depth format, a depth attachment: LOAD and STORE, COLOR_ATTACHMENT_OPTIMAL and
      *  DEPTH_STENCIL_ATTACHMENT_OPTIMAL before and after. */
@@ -93,6 +97,7 @@ private:
     bool openInstance(const Options& options, std::string& why);
     bool openDevice(const Options& options, std::string& why);
     uint32_t memoryType(uint32_t allowed, VkMemoryPropertyFlags wanted) const;
+    AppBuffer makeBufferIn(VkMemoryPropertyFlags memory, VkDeviceSize bytes, VkBufferUsageFlags usage);
     void makeImage(AppImage& image, VkImageUsageFlags usage);
     /** A mapped buffer of `bytes` bytes that lives until the next call. */
     void staging(VkDeviceSize bytes);

@@ -29,7 +29,7 @@ def at_least(value):
 def program_folder(target):
     """The folder of a program, in the source tree and in a build tree alike."""
     return {"doppel": "apps/doppel", "libdoppel.so": "sdk/api", "bench_frames": "tools/bench/frames", "bench_ways": "tests/unit/interop",
-            "visibility_governor_test": "tests/unit/visibility", "bench_host": "tests/metal",
+            "bench_writes": "tests/unit/interop", "visibility_governor_test": "tests/unit/visibility", "bench_host": "tests/metal",
             "motion_tracker_test": "tests/unit/motion"}.get(target, "tools/bench")
 
 
@@ -163,6 +163,11 @@ def take_gpu_scaling(place):
     return scaling(place, "gpu-scaling", (60000, 533695, 2000000), ["--renderers", "vulkan-quads", "vulkan-tiles", "--repeats", 21])
 
 
+def take_gpu_writes(place):
+    needs_gpu(place)
+    return take_writes(place)
+
+
 def take_gpu_ways(place):
     needs_gpu(place)
     return take_ways(place)
@@ -215,6 +220,13 @@ INSIDE_BARS = {"thread_ms": at_most(0.2), "allocations": at_most(0), "pixel_byte
 def take_ways(place):
     rows = place.json_lines("ways", [place.program("bench_ways"), place.avatar(), 60])
     return [{**row, "bars": INSIDE_BARS if row["pixel_bytes"] == 0 else {}} for row in rows]
+
+
+def take_writes(place):
+    """The bar is the CPU's: with one colour as much as pose and projection of the same frame, with SH twice as much."""
+    rows = place.json_lines("writes", [place.program("bench_writes"), place.avatar(), 60])
+    return [{**row, "bars": {"ratio": at_most(2 if row["layout"].startswith("SH") else 1)} if row["by"] == "dplWriteSplats" else {}}
+            for row in rows]
 
 
 HOST_BARS = {"thread_ms": at_most(0.2), "allocations": at_most(0)}
@@ -485,6 +497,8 @@ BENCHES = [
           ("libdoppel.so",), take_library),
     Bench("ways", "quick", 1, "what each way into a Vulkan program's image costs",
           "build/release/tests/unit/interop/bench_ways demo/avatar/avatar.glb 60", ("bench_ways",), take_ways),
+    Bench("writes", "quick", 0.5, "what it costs to write posed splats into a program's buffer, on the CPU and on its GPU",
+          "build/release/tests/unit/interop/bench_writes demo/avatar/avatar.glb 60", ("bench_writes",), take_writes),
     Bench("host", "quick", 3, "what a frame costs the calling thread before the GPU gets it, through Metal and Vulkan",
           "build/release/tests/metal/bench_host demo/avatar/avatar.glb 40", ("bench_host",), take_host),
     Bench("delay", "quick", 0.1, "how late a tracked person is shown",
@@ -531,6 +545,8 @@ BENCHES = [
           take_gpu_scaling),
     Bench("gpu-ways", "gpu", 0.3, "what each way into a Vulkan program's image costs on a GPU",
           "build/release/tests/unit/interop/bench_ways demo/avatar/avatar.glb 60", ("bench_ways",), take_gpu_ways),
+    Bench("gpu-writes", "gpu", 0.2, "what it costs to write posed splats into a program's buffer on a GPU",
+          "build/release/tests/unit/interop/bench_writes demo/avatar/avatar.glb 60", ("bench_writes",), take_gpu_writes),
 ] + [
     Bench(f"quality-procedural-{seed}", "unseen", 7, f"the procedural subject of seed {seed}, which nobody looked at", DRAFT.format(seed),
           DOPPEL, procedural(seed, f"quality-procedural-{seed}"))

@@ -133,6 +133,23 @@ def ways_table(rows):
                    barred(r, "pixel_bytes", 1, scale=1e-6), barred(r, "allocations", 1), barred(r, "psnr_db", 1)] for r in rows])
 
 
+WRITES = (
+    "`dplWriteSplats` writes into memory, `dplVulkanWriteSplats` records the same for a buffer of the app's device. *Time* is CPU time of one "
+    "thread, or the GPU's clock. *Pose and projection* are those of a picture of the same frame by the same clock: `dplProject` on the CPU, "
+    "which also sorts; on a GPU the passes that pose, cull and project. Differences are the largest between GPU and CPU, of splats that "
+    "show; of a variance relative to the splat's largest.\n\n")
+
+
+def writes_table(rows):
+    def small(row, key):
+        return NOTHING if row[key] is None else f"{row[key]:.2g}"
+    return WRITES + table(
+        ["layout", "by", "calling thread, ms", "time, ms", "pose and projection, ms", "time / that", "MB a frame", "position, mm", "variance",
+         "opacity", "colour or SH"],
+        [[r["layout"], r["by"], number(r["thread_ms"], 3), number(r["ms"]), number(r["project_ms"]), barred(r, "ratio"),
+          number(r["bytes"] / 1e6), *(small(r, key) for key in ("position_mm", "covariance", "opacity", "colour"))] for r in rows])
+
+
 def apps(store):
     def host(rows):
         return HOST + table(["case", "calls", "backend", "its commands go to", "CPU, ms", "wall, ms", "allocations a frame",
@@ -161,6 +178,7 @@ def apps(store):
     text = BACK + ("# Inside an app's frames\n\n*Calling thread* is what Doppel's calls of a frame compute on the thread that makes them; the time of the "
                    "GPU is in *frame*. Reading back counts the picture twice: down to the CPU, and up into the app's image.\n\n")
     return text + section(store, "ways", "Ways into an app's image", ways_table) + section(
+        store, "writes", "Posed splats in an app's buffer", writes_table) + section(
         store, "host", "What a frame costs before the GPU gets it: Metal against Vulkan", host) + section(
         store, "delay", "How late a tracked person is shown", delay) + section(
         store, "load-frames", "Calls of a frame, 90 times a second, while 500,000 splats load", load_frames) + section(
@@ -223,7 +241,8 @@ def gpu(store):
         "so quads look slower beside tiles than they are on a GPU that is made for drawing. Its clock was left to itself.\n\n")
     return text + section(store, "gpu-frames", "What users can choose", lambda rows: frame_body(rows, 3)) + section(
         store, "gpu-scaling", "Against the number of splats, by the GPU's clock", lambda rows: scaling_body(rows, "gpu_ms_p50")) + section(
-        store, "gpu-ways", "Ways into an app's image", ways_table)
+        store, "gpu-ways", "Ways into an app's image", ways_table) + section(
+        store, "gpu-writes", "Posed splats in an app's buffer", writes_table)
 
 
 # ---- the front page
