@@ -11,6 +11,7 @@
 #include "apps/doppel/interruption.h"
 #include "apps/doppel/talk.h"
 #include "apps/shared/checks.h"
+#include "reconstruction/run/run_news.h"
 #include "reconstruction/subject/body/solver_log.h"
 
 namespace dpl {
@@ -101,7 +102,10 @@ int main(int argc, char** argv) {
     std::signal(SIGXFSZ, SIG_IGN);  // past `ulimit -f` a write fails and is reported, as on a full disk
     silenceSolverLog();
     try {
-        return flushOutput(endedSoonAfterInterrupt(run, [&talk] { return talk.fail(Error{Code::Cancelled, "stopped"}); }));
+        return flushOutput(endedSoonAfterInterrupt(run, [&talk] {
+            RunNews::sayStopped();
+            return talk.fail(Error{Code::Cancelled, "stopped"});
+        }));
     } catch (const std::bad_alloc&) {
         return talk.fail(fail(Code::OutOfMemory, "out of memory; close other programs or use a smaller preset"));
     } catch (const std::system_error& error) {

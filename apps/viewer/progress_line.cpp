@@ -26,10 +26,15 @@ std::optional<ProgressLine> parseProgressLine(std::string_view line) {
     read.stage = trimmed(line.substr(0, bar));
     read.share = value / 100;
     rest = trimmed(rest.substr(percent + 1));
-    constexpr std::string_view kLeft = " left";
-    if (const size_t left = rest.find(kLeft); left != rest.npos && !rest.empty() && rest[0] >= '0' && rest[0] <= '9') {
-        read.left = rest.substr(0, left + kLeft.size());
-        rest = trimmed(rest.substr(left + kLeft.size()));
+    constexpr std::string_view kOfStage = " left", kOfRun = " left in all";
+    size_t left = rest.find(kOfRun);
+    if (left != rest.npos)
+        left += kOfRun.size();
+    else if (!rest.empty() && rest[0] >= '0' && rest[0] <= '9' && (left = rest.find(kOfStage)) != rest.npos)
+        left += kOfStage.size();
+    if (left != rest.npos) {
+        read.left = rest.substr(0, left);
+        rest = trimmed(rest.substr(left));
     }
     read.detail = rest;
     return read;

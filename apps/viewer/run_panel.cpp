@@ -6,6 +6,7 @@
 #include <cfloat>
 
 #include "apps/viewer/new_run_panel.h"
+#include "reconstruction/base/time_words.h"
 
 namespace dpl {
 

@@ -2,9 +2,11 @@
 #include "apps/viewer/run_progress.h"
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 
 #include "reconstruction/base/json_fields.h"
+#include "reconstruction/base/time_words.h"
 
 namespace dpl {
 namespace {
@@ -58,14 +60,6 @@ Result<const nlohmann::json*> object(const nlohmann::json& in, const JsonFields&
     return &value;
 }
 
-std::string minutesOrHours(double seconds) {
-    const auto minutes = long(std::lround(seconds / 60));
-    if (minutes == 1) return "1 minute";
-    if (minutes < 90) return formatText("{} minutes", minutes);
-    if (minutes < 48 * 60) return formatText("{} h {} min", minutes / 60, minutes % 60);
-    return formatText("{} days", std::lround(seconds / 86400));
-}
-
 }  // namespace
 
 Result<RunProgress> parseRunProgress(std::string_view bytes, const std::string& where) {
@@ -93,6 +87,9 @@ Result<RunProgress> parseRunProgress(std::string_view bytes, const std::string& 
     if (fields.has("seconds_left")) {
         DPL_TRY(p.secondsLeft, count(fields, "seconds_left"));
     }
+    if (fields.has("run_seconds_left")) {
+        DPL_TRY(p.runSecondsLeft, count(fields, "run_seconds_left"));
+    }
     DPL_TRY(p.steps, count(fields, "steps"));
     DPL_RETURN_IF_ERROR(readCurve(fields, p.curve));
     DPL_TRY(const nlohmann::json* heldBack, object(file, fields, "held_back"));
@@ -115,16 +112,13 @@ std::string wordsOfTheRest(const RunProgress& progress) {
     if (progress.place == 0) return {};
     const uint32_t behind = progress.places - progress.place;
     if (behind == 0) return "This is the last part of the run.";
-    if (behind == 1) return "One more part comes after this one; how long it takes is not known before.";
-    return formatText("{} more parts come after this one; how long they take is not known before.", behind);
-}
-
-std::string wordsOfTime(double seconds) {
-    return seconds < 45 ? "less than a minute" : minutesOrHours(seconds);
-}
-
-std::string wordsOfTimeLeft(double seconds) {
-    return seconds < 45 ? "less than a minute left" : "about " + minutesOrHours(seconds) + " left";
+    if (progress.runSecondsLeft) {
+        std::string text = wordsOfRunLeft(*progress.runSecondsLeft);
+        text[0] = char(std::toupper(uint8_t(text[0])));
+        return text + ".";
+    }
+    if (behind == 1) return "One more part comes after this one; how long it takes is not known yet.";
+    return formatText("{} more parts come after this one; how long they take is not known yet.", behind);
 }
 
 }  // namespace dpl

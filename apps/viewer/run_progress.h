@@ -27,6 +27,7 @@ struct RunProgress {
     double share = 0;                         // of that, 0 to 1
     uint32_t place = 0, places = 0;           // "7 of 11"; place 0: before the first
     std::optional<double> secondsLeft;        // of that
+    std::optional<double> runSecondsLeft;     // of the whole run
     double steps = 0;                         // of the training
     std::vector<Point> curve;                 // how well it fits its pictures, dB
     std::string heldBackFrame;                // name of the held-back picture; empty: none is shown
@@ -41,12 +42,8 @@ struct RunProgress {
  *  texts are cut at kMostText bytes. Paths are as written: whoever opens them must check that they stay inside the folder. */
 Result<RunProgress> parseRunProgress(std::string_view text, const std::string& where);
 
-/** "about 12 minutes left"; a word for each size of time. */
-std::string wordsOfTimeLeft(double seconds);
-/** What is known of the time after the part at hand, which is all that a run foretells: how many parts come behind it, or that it is the
- *  last. "" before the first part. */
+/** How long the whole run still takes, as far as it says so; before, how many parts come behind the one at hand, or that it is the last.
+ *  "" before the first part. */
 std::string wordsOfTheRest(const RunProgress& progress);
-/** "25 minutes", "1 h 40 min". */
-std::string wordsOfTime(double seconds);
 
 }  // namespace dpl

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <cstdio>
 
+#include "reconstruction/base/time_words.h"
+
 namespace dpl {
 namespace {
 

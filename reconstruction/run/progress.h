@@ -4,9 +4,11 @@
 
 #include <atomic>
 #include <chrono>
+#include <optional>
 #include <string>
 #include <string_view>
 
+#include "reconstruction/run/time_left.h"
 #include "sdk/core/task.h"
 
 namespace dpl {
@@ -24,6 +26,8 @@ public:
     /** fraction in [0,1]; `detail` is short ("step 300 of 2000, 23.1 dB"). Cheap enough for every step. */
     void update(double fraction, std::string_view detail = {});
     void endStage(std::string_view summary);
+    /** The same for a stage that is up to date, and took so long in an earlier run. */
+    void skipStage(double tookS);
     /** Writes a separate line, for verdicts and warnings. */
     void note(std::string_view line);
     /** Writes a separate line if the style is Verbose. */
@@ -34,6 +38,8 @@ public:
 
     /** True after the first SIGINT, SIGTERM or SIGHUP, if installSignalHandlers() was called. */
     static bool cancelled();
+    /** True after the second one. */
+    static bool hurried();
     static const std::atomic<bool>& cancelFlag();
 
 private:
@@ -47,6 +53,7 @@ private:
     bool lineOpen_ = false;
     std::string stage_;
     Clock::time_point stageStart_{}, lastDrawn_{};
+    TimeLeft time_;  // of the stage, since stageStart_; asked where nobody else hears
 };
 
 /** A Progress tells it to `news` too until the scope ends. */
@@ -72,8 +79,12 @@ private:
     Progress& progress_;
 };
 
-/** The first SIGINT, SIGTERM or SIGHUP asks every stage to stop at its next checkpoint; the second ends the process at once. A SIGHUP that
- *  is ignored, as under nohup, stays ignored. */
+/** One line of progress. columns: of the terminal, to which it is cut; 0: no terminal. Seconds left: nothing if not known. */
+std::string progressLine(std::string_view stage, double fraction, std::optional<double> stageLeftS, std::optional<double> runLeftS,
+                         std::string_view detail, size_t columns);
+
+/** The first SIGINT, SIGTERM or SIGHUP asks every stage to stop at its next checkpoint; the second asks the program to wait for none
+ *  (apps/doppel/interruption.h); the third ends the process at once. A SIGHUP that is ignored, as under nohup, stays ignored. */
 void installSignalHandlers();
 
 }  // namespace dpl

@@ -8,6 +8,7 @@
 #include "reconstruction/run/frames_file.h"
 #include "reconstruction/run/import_scan.h"
 #include "reconstruction/run/output_claim.h"
+#include "reconstruction/run/preset.h"
 #include "reconstruction/run/run_news.h"
 #include "reconstruction/run/run_request.h"
 #include "reconstruction/run/run_scan.h"
@@ -92,15 +93,19 @@ Result<T> withRequest(const ReconstructOptions& options, Progress& progress, con
     return work(run);
 }
 
-/** Locks the output folder, tells who watches it, and returns what `work` returns. */
+/** Locks the output folder, tells who watches it, and returns what `work` returns. lastStage: to which `work` comes, for the time left;
+ *  empty: nothing is told of it. */
 template <class T>
-Result<T> withRun(const ReconstructOptions& options, Progress& progress, const std::function<Result<T>(Run&)>& work) {
+Result<T> withRun(const ReconstructOptions& options, Progress& progress, std::string_view lastStage,
+                  const std::function<Result<T>(Run&)>& work) {
     std::error_code error;
     std::filesystem::create_directories(options.out, error);
     if (error) return fail(Code::Io, "cannot create {}: {}; choose another output with -o", options.out.string(), error.message());
     DPL_TRY([[maybe_unused]] const FolderLock lock, FolderLock::take(options.out));
     DPL_RETURN_IF_ERROR(checkOutputIsFree(options));
     RunNews news(options.out);
+    const RunSettings settings = settingsOf(options);
+    news.plan({settings.training.steps, settings.polishSteps, settings.poseFit.iterations, lastStage});
     auto result = [&] {
         const ToldNews told(progress, news);
         return withRequest<T>(options, progress, work);
@@ -144,21 +149,21 @@ Result<ReconstructResult> completeRun(Run& run) {
 
 Result<ReconstructResult> reconstruct(const ReconstructOptions& options, Progress& progress) {
     DPL_RETURN_IF_ERROR(checkFrom(options));
-    auto result = withRun<ReconstructResult>(options, progress, completeRun);
+    auto result = withRun<ReconstructResult>(options, progress, "report", completeRun);
     if (!result && result.error().code == Code::Cancelled)
         return fail(Code::Cancelled, "{}. Nothing that was finished is lost: run the same command again to go on", result.error().message);
     return result;
 }
 
 Result<std::string> checkFilm(const ReconstructOptions& options, Progress& progress) {
-    return withRun<std::string>(options, progress, [](Run& run) -> Result<std::string> {
+    return withRun<std::string>(options, progress, "body-map", [](Run& run) -> Result<std::string> {
         DPL_TRY(const MappedBody* mapped, mapAndTell(run));
         return mapped->advice;
     });
 }
 
 Result<ProfiledTraining> profileTraining(const ReconstructOptions& options, const ProfiledSteps& steps, Progress& progress) {
-    return withRun<ProfiledTraining>(options, progress, [&](Run& run) -> Result<ProfiledTraining> {
+    return withRun<ProfiledTraining>(options, progress, "", [&](Run& run) -> Result<ProfiledTraining> {
         run.put(steps, "profiled steps");
         DPL_TRY(const ProfiledTraining* profiled, run.get<ProfiledTraining>());
         return *profiled;

@@ -61,15 +61,28 @@ void removeShown(const fs::path& out) {
     fs::remove(folder, error);  // fails if it is not empty
 }
 
+/** The run of this process that tells. */
+std::mutex tellsMutex;
+RunNews* tells = nullptr;
+
+ordered_json orNull(const std::optional<double>& seconds) {
+    return seconds ? ordered_json(rounded(*seconds, 1)) : ordered_json();
+}
+
 }  // namespace
 
 RunNews::RunNews(fs::path outFolder) : out_(std::move(outFolder)), startedUnixS_(unixS()) {
     removeShown(out_);
-    told_.stageBegan = start_;
     thread_ = std::thread([this] { write(); });
+    std::lock_guard lock(tellsMutex);
+    tells = this;
 }
 
 RunNews::~RunNews() {
+    {
+        std::lock_guard lock(tellsMutex);
+        if (tells == this) tells = nullptr;
+    }
     {
         std::lock_guard lock(mutex_);
         if (told_.state == "running") told_.state = "failed", told_.sentence = "the run ended without a word";
@@ -85,24 +98,42 @@ void RunNews::stage(std::string_view name) {
         std::lock_guard lock(mutex_);
         told_.stage = name;
         told_.detail.clear();
-        told_.share = 0, told_.shareKnown = false, told_.stageBegan = Clock::now();
+        told_.time.begin(name, sinceStartS());
         news_ = true;
     }
     changed_.notify_all();
 }
 
+void RunNews::plan(const RunSize& size) {
+    std::lock_guard lock(mutex_);
+    size_ = size;
+    told_.time.plan(size);
+}
+
+void RunNews::tookBefore(double seconds) {
+    std::lock_guard lock(mutex_);
+    told_.time.tookBefore(seconds);
+}
+
 void RunNews::doing(double share, std::string_view detail) {
     std::lock_guard lock(mutex_);
-    share = std::isfinite(share) ? std::clamp(share, 0.0, 1.0) : 0;
-    if (!told_.shareKnown) told_.shareKnown = true, told_.beganShare = share, told_.stageBegan = Clock::now();
-    told_.share = share;
+    told_.time.hear(share, sinceStartS());
     told_.detail = detail;
+}
+
+RunNews::Left RunNews::left() const {
+    std::lock_guard lock(mutex_);
+    const double now = sinceStartS();
+    return {told_.time.ofStage(now), told_.time.ofRun(now)};
 }
 
 void RunNews::curve(const std::vector<FitPoint>& points, uint32_t steps) {
     std::lock_guard lock(mutex_);
     told_.curve = evenlySpaced(points, kMostPoints);
     told_.steps = steps;
+    if (!size_ || steps == size_->steps) return;
+    size_->steps = steps;  // a time budget has become steps
+    told_.time.plan(*size_);
 }
 
 void RunNews::heldBack(const std::string& frame, const Picture& picture) {
@@ -130,8 +161,22 @@ void RunNews::avatar(AvatarData avatar, uint32_t step, double gatherS) {
 
 void RunNews::ended(const Status& how) {
     std::lock_guard lock(mutex_);
+    if (over_) return;
     told_.state = how ? "done" : how.error().code == Code::Cancelled ? "stopped" : "failed";
     told_.sentence = how ? "" : how.error().message;
+}
+
+void RunNews::sayStopped() {
+    std::lock_guard lock(tellsMutex);
+    if (tells) tells->stopNow();
+}
+
+void RunNews::stopNow() {
+    std::unique_lock lock(mutex_);
+    if (told_.state == "running") told_.state = "stopped", told_.sentence = "stopped";
+    over_ = true;
+    changed_.notify_all();
+    if (changed_.wait_for(lock, std::chrono::duration<double>(kLastWordS), [&] { return toldLast_; })) removeShown(out_);
 }
 
 /** The thread: tells whenever a stage begins, an avatar is there, or kBeatS have passed. */
@@ -163,8 +208,10 @@ void RunNews::write() {
         lock.lock();
         writing_ = false;
         told_.forWatchersS += secondsSince(began);
-        if (last) return;
+        toldLast_ = last;
+        if (last) break;
     }
+    changed_.notify_all();
 }
 
 void RunNews::writeAvatarFile(Shown shown) {
@@ -199,10 +246,11 @@ void RunNews::writeProgress() {
                          {"place", placeOfStage(told.stage)},
                          {"places", kStagesOfAll},
                          {"detail", told.detail},
-                         {"share", rounded(told.share, 1e4)}};
-    const double done = told.share - told.beganShare, took = secondsSince(told.stageBegan);
-    const bool leftKnown = told.state == "running" && told.shareKnown && done > 0.01 && took > 3;
-    file["seconds_left"] = leftKnown ? ordered_json(rounded(took * (1 - told.share) / done, 1)) : ordered_json();
+                         {"share", rounded(told.time.share(), 1e4)}};
+    const bool runs = told.state == "running";
+    const double now = sinceStartS();
+    file["seconds_left"] = orNull(runs ? told.time.ofStage(now) : std::nullopt);
+    file["run_seconds_left"] = orNull(runs ? told.time.ofRun(now) : std::nullopt);
     file["steps"] = told.steps;
     ordered_json curve = ordered_json::array();
     for (const FitPoint& point : told.curve) curve.push_back({point.step, rounded(point.psnrDb, 100), rounded(point.loss, 1e4)});

@@ -18,6 +18,7 @@
 #include <vector>
 
 #include "reconstruction/base/image_codec.h"
+#include "reconstruction/run/time_left.h"
 #include "sdk/core/result.h"
 #include "sdk/format/avatar_data.h"
 
@@ -39,10 +40,19 @@ public:
     RunNews(const RunNews&) = delete;
     RunNews& operator=(const RunNews&) = delete;
 
+    /** Which stages this run has, so that it can tell how long it still takes. */
+    void plan(const RunSize& size);
     /** A stage begins, by its name in the graph. */
     void stage(std::string_view name);
+    /** It is up to date, and took so long in an earlier run. */
+    void tookBefore(double seconds);
     /** share: of the stage, 0 to 1. Cheap enough for every step. */
     void doing(double share, std::string_view detail);
+    /** Seconds that the stage and the run still take; nothing: not known yet. */
+    struct Left {
+        std::optional<double> stageS, runS;
+    };
+    Left left() const;
     /** How well the training fits its pictures so far. */
     struct FitPoint {
         uint32_t step = 0;
@@ -61,6 +71,11 @@ public:
     /** The run is over: done; stopped, if the code is Cancelled; or failed with this sentence. */
     void ended(const Status& how);
 
+    /** For any thread of a process that is about to end while its run still works: the run tells that it was stopped. Returns when that is
+     *  written, or after kLastWordS on a disk that is slow. Does nothing where no run tells. */
+    static void sayStopped();
+    static constexpr double kLastWordS = 2;
+
 private:
     using Clock = std::chrono::steady_clock;
     struct Shown {  // an avatar to be written
@@ -70,14 +85,14 @@ private:
     };
     struct Told {
         std::string state = "running", sentence, stage, detail, heldBackFrame;
-        double forWatchersS = 0;           // work until now that the run alone would not need
-        double share = 0, beganShare = 0;  // beganShare: where the stage was when it began, after a checkpoint
-        Clock::time_point stageBegan{};
-        bool shareKnown = false;
+        double forWatchersS = 0;  // work until now that the run alone would not need
+        TimeLeft time;            // of the seconds since start_
         std::vector<FitPoint> curve;
         uint32_t steps = 0, avatarStep = 0, avatarChange = 0;
     };
     void write();
+    void stopNow();
+    double sinceStartS() const { return std::chrono::duration<double>(Clock::now() - start_).count(); }
     void writeProgress();
     void writeAvatarFile(Shown shown);
 
@@ -89,9 +104,10 @@ private:
     mutable std::mutex mutex_;
     std::condition_variable changed_;
     Told told_;
+    std::optional<RunSize> size_;
     std::optional<Shown> shown_;
     std::vector<uint8_t> heldBack_;
-    bool writing_ = false, news_ = false, over_ = false;
+    bool writing_ = false, news_ = false, over_ = false, toldLast_ = false;
     Clock::time_point nextAvatar_ = start_;
     std::thread thread_;  // last: it uses all of the above
 };

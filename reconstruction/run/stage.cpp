@@ -156,7 +156,7 @@ Result<StageOutput> StageChain::run(const std::string& name, uint32_t version, c
     if (!damage.empty()) progress_.note(formatText("{} runs again: {}", wordsOfStage(name), damage));
     if (made && damage.empty()) {
         records_.push_back({name, numberField(manifest, "seconds"), uint64_t(std::max(0.0, numberField(manifest, "peakBytes"))), true});
-        progress_.endStage("up to date");
+        progress_.skipStage(numberField(manifest, "seconds"));
         return StageOutput{folder, key};
     }
     if (stringField(readManifest(workFolder), "key") == key)

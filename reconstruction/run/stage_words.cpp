@@ -21,10 +21,19 @@ std::string_view wordsOfStage(std::string_view name) {
     return name;
 }
 
+namespace {
+
+constexpr std::string_view kInOrder[kStagesOfAll] = {"ingest",      "body-fit", "surface", "body-map", "garments", "register",
+                                                     "co-optimise", "evidence", "package", "pose-fit", "report"};
+
+}  // namespace
+
 size_t placeOfStage(std::string_view name) {
-    constexpr std::string_view kInOrder[kStagesOfAll] = {"ingest",      "body-fit", "surface", "body-map", "garments", "register",
-                                                         "co-optimise", "evidence", "package", "pose-fit", "report"};
     return size_t(std::find(std::begin(kInOrder), std::end(kInOrder), name) - std::begin(kInOrder) + 1) % (kStagesOfAll + 1);
+}
+
+std::string_view stageAt(size_t place) {
+    return kInOrder[place - 1];
 }
 
 }  // namespace dpl

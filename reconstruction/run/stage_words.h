@@ -13,5 +13,7 @@ std::string_view wordsOfStage(std::string_view name);
 /** Which of the kStagesOfAll stages that every run has it is, from 1; 0: it is one of those before them, which only some runs need. */
 size_t placeOfStage(std::string_view name);
 inline constexpr size_t kStagesOfAll = 11;
+/** The stage at a place, 1 to kStagesOfAll. */
+std::string_view stageAt(size_t place);
 
 }  // namespace dpl

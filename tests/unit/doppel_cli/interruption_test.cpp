@@ -62,4 +62,15 @@ TEST(InterruptionDeathTest, workThatNeverStopsIsEnded) {
     EXPECT_EXIT(runInterrupted(endless, SIGINT, std::chrono::milliseconds(1)), testing::ExitedWithCode(kStopped), "stopped");
 }
 
+TEST(InterruptionDeathTest, aSecondInterruptWaitsForNoWork) {
+    GTEST_FLAG_SET(death_test_style, "threadsafe");
+    const auto endless = [] {
+        std::raise(SIGINT);
+        std::promise<void> never;
+        never.get_future().wait();
+        return 0;
+    };
+    EXPECT_EXIT(runInterrupted(endless), testing::ExitedWithCode(kStopped), "stopped");
+}
+
 }  // namespace

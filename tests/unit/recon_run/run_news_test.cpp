@@ -73,6 +73,32 @@ TEST_F(RunNewsTest, saysHowItEnded) {
     EXPECT_EQ(told()["state"], "failed");
 }
 
+TEST_F(RunNewsTest, tellsTheTimeThatTheRunTakesOnceItIsMeasured) {
+    RunNews news(out_);
+    news.plan({3000, 200, 40, "report"});
+    for (const char* stage : {"ingest", "body-fit", "surface", "body-map", "garments", "register"}) news.stage(stage), news.tookBefore(100);
+    news.stage("co-optimise");
+    ASSERT_TRUE(comesTo([](const json& now) { return !now["run_seconds_left"].is_null(); }));
+    EXPECT_TRUE(told()["seconds_left"].is_null());
+    // 600 s for what took 98.5 s: 6.1 times the 313.1 s of the stages to come, of which some seconds have passed.
+    EXPECT_NEAR(told()["run_seconds_left"].get<double>(), 600 / 98.5 * 313.1, 0.05 * 1900);
+    news.ended({});
+    EXPECT_TRUE(comesTo([](const json& now) { return now["state"] == "done" && now["run_seconds_left"].is_null(); }));
+}
+
+TEST_F(RunNewsTest, aRunWhoseProcessEndsBeforeItTellsThatItWasStopped) {
+    RunNews::sayStopped();  // no run tells: nothing happens
+    RunNews news(out_);
+    news.stage("evidence");
+    news.avatar(randomAvatar(3, 16, 8, 1), 700, 0);
+    ASSERT_TRUE(comesTo([](const json& now) { return !now["avatar"].is_null(); }));
+    RunNews::sayStopped();  // the stage has not heard of it
+    ASSERT_TRUE(comesTo([](const json& now) { return now["state"] == "stopped"; }));
+    EXPECT_TRUE(told()["avatar"].is_null());
+    news.stage("package"), news.ended({});
+    EXPECT_EQ(told()["state"], "stopped") << "that was the last word";
+}
+
 TEST_F(RunNewsTest, showsAnAvatarAndThenWaits) {
     {
         RunNews news(out_);

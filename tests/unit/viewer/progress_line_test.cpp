@@ -14,6 +14,16 @@ TEST(ProgressLineTest, readsWhatTheProgramPrints) {
     EXPECT_DOUBLE_EQ(line->share, 0.25);
     EXPECT_EQ(line->left, "12 s left");
     EXPECT_EQ(line->detail, "frame 3 of 10");
+    const auto run =
+        parseProgressLine("  surface             [######..................]  25 %  12 s left, about 3 minutes left in all  frame 3");
+    ASSERT_TRUE(run);
+    EXPECT_EQ(run->left, "12 s left, about 3 minutes left in all");
+    EXPECT_EQ(run->detail, "frame 3");
+    const auto early =
+        parseProgressLine("  surface             [#.......................]   6 %  about 2 minutes left in all  15 silhouettes");
+    ASSERT_TRUE(early);
+    EXPECT_EQ(early->left, "about 2 minutes left in all");
+    EXPECT_EQ(early->detail, "15 silhouettes");
     const auto begun = parseProgressLine("  looking at pictures [........................]   0 %    80 left arms");
     ASSERT_TRUE(begun);
     EXPECT_EQ(begun->stage, "looking at pictures");

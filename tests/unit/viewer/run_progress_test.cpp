@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include "reconstruction/base/time_words.h"
 #include "tests/unit/must.h"
 
 namespace {
@@ -105,19 +106,28 @@ TEST(RunProgress, saysTimesAsPeopleDo) {
     EXPECT_EQ(wordsOfTimeLeft(50), "about 1 minute left");
     EXPECT_EQ(wordsOfTimeLeft(700), "about 12 minutes left");
     EXPECT_EQ(wordsOfTimeLeft(6000), "about 1 h 40 min left");
+    EXPECT_EQ(wordsOfRunLeft(700), "about 12 minutes left in all");
     EXPECT_EQ(wordsOfTime(1500), "25 minutes");
     EXPECT_EQ(wordsOfTime(3 * 86400), "3 days");
 }
 
-TEST(RunProgress, doesNotForetellPartsThatHaveNotBegun) {
+TEST(RunProgress, saysOfTheRestWhatTheRunForetells) {
     RunProgress progress;
     EXPECT_EQ(wordsOfTheRest(progress), "");
     progress.place = 7, progress.places = 11;
-    EXPECT_EQ(wordsOfTheRest(progress), "4 more parts come after this one; how long they take is not known before.");
-    progress.place = 10;
-    EXPECT_EQ(wordsOfTheRest(progress), "One more part comes after this one; how long it takes is not known before.");
-    progress.place = 11;
+    EXPECT_EQ(wordsOfTheRest(progress), "4 more parts come after this one; how long they take is not known yet.");
+    progress.runSecondsLeft = 700;
+    EXPECT_EQ(wordsOfTheRest(progress), "About 12 minutes left in all.");
+    progress.place = 10, progress.runSecondsLeft.reset();
+    EXPECT_EQ(wordsOfTheRest(progress), "One more part comes after this one; how long it takes is not known yet.");
+    progress.place = 11, progress.runSecondsLeft = 20;
     EXPECT_EQ(wordsOfTheRest(progress), "This is the last part of the run.");
+}
+
+TEST(RunProgress, readsTheTimeOfTheRun) {
+    EXPECT_FALSE(must(parse(with("\"seconds_left\":700", "\"seconds_left\":700,\"run_seconds_left\":null"))).runSecondsLeft);
+    EXPECT_EQ(must(parse(with("\"seconds_left\":700", "\"seconds_left\":700,\"run_seconds_left\":900"))).runSecondsLeft, 900.0);
+    EXPECT_FALSE(parse(with("\"seconds_left\":700", "\"seconds_left\":700,\"run_seconds_left\":-1")));
 }
 
 }  // namespace
