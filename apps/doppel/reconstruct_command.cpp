@@ -24,7 +24,7 @@ void addReconstructCommand(CLI::App& app, CommandRun& run) {
         ->default_str("standard");
     command
         ->add_option("--time-budget", options->timeBudgetMinutes,
-                     "Minutes for training; a timed probe at the start turns them into a number of steps")
+                     "Minutes from the scan to the report, about; a timed probe turns what is left at the training into a number of steps")
         ->check(inRange(0.0, 1e5));
     command->add_option("--steps", options->steps, "Number of training steps instead of the preset's, for comparisons")
         ->check(inRange(0, 10000000))

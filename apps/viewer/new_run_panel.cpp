@@ -33,9 +33,10 @@ void choices(ViewerState& state) {
         if (ImGui::RadioButton(kPresetNames[i], size_t(run.preset) == i)) run.preset = NewRun::Preset(i);
         if (ImGui::IsItemHovered()) ImGui::SetTooltip("%s", kHelp[i]);
     }
-    ImGui::DragInt("##minutes", &run.minutes, 1, 0, NewRun::kMostMinutes, run.minutes > 0 ? "%d minutes of training" : "no time budget",
+    ImGui::DragInt("##minutes", &run.minutes, 1, 0, NewRun::kMostMinutes, run.minutes > 0 ? "%d minutes in all" : "no time budget",
                    ImGuiSliderFlags_AlwaysClamp);
-    if (ImGui::IsItemHovered()) ImGui::SetTooltip("How long it may train: drag sideways, or double click to type; 0: as the choice above");
+    if (ImGui::IsItemHovered())
+        ImGui::SetTooltip("About how long it may take in all: drag sideways, or double click to type; 0: as the choice above");
     std::string out = run.out.string();
     if (ImGui::InputText("##out", &out)) run.out = out;
     if (ImGui::IsItemHovered()) ImGui::SetTooltip("The folder that gets the avatar: %s", out.c_str());

@@ -14,7 +14,7 @@ namespace dpl {
 /** The settings of a run. Stages and their keys depend on these numbers, and never on the name of a preset. */
 struct RunSettings {
     CoOptimiseSettings training;
-    double timeBudgetMinutes = 0;  // above 0: a timed probe chooses training.steps
+    double timeBudgetMinutes = 0;  // of the whole run; above 0: a timed probe chooses training.steps
     double checkpointS = 30;       // between checkpoints of training; no result depends on it
     std::filesystem::path from;    // a checkpoint of another run, from which training goes on; empty: it starts
     uint32_t polishSteps = 0;      // of colour, opacity and size, on the decoded avatar

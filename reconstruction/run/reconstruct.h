@@ -41,7 +41,7 @@ struct ReconstructOptions {
     std::vector<std::string> persons;  // where the person is, "FRAME:X,Y" (parsePersonPoint()); empty: chosen by size and place
     double heightM = 0;                // of the subject; sets the scale where cameras are not in metres. 0: unknown
     Preset preset = *findPreset("standard");
-    double timeBudgetMinutes = 0;  // of training; 0: the preset's number of steps
+    double timeBudgetMinutes = 0;  // of the whole run; 0: the preset's number of steps
     uint32_t steps = 0;            // of training; 0: the preset's number; above 0: the time budget is ignored
     std::filesystem::path from;    // a checkpoint of a stopped training of the same scan, which this one continues with its own settings
     uint64_t seed = 1;

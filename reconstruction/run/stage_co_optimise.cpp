@@ -14,6 +14,7 @@
 #include "reconstruction/run/stage_garments.h"
 #include "reconstruction/run/stage_ingest.h"
 #include "reconstruction/run/stage_register.h"
+#include "reconstruction/run/time_left.h"
 #include "reconstruction/run/trained_file.h"
 #include "reconstruction/run/training_shown.h"
 #include "reconstruction/training/correctives/corrective_model.h"
@@ -29,6 +30,10 @@ namespace dpl {
 namespace {
 
 constexpr uint32_t kProbeSteps = 60;
+
+double secondsSince(std::chrono::steady_clock::time_point start) {
+    return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
 
 Result<CoOptimiseInput> trainingInput(const FittedBody& body, const GarmentLayers& layers, bool withMotion, const Scan& scan,
                                       FrameSet set) {
@@ -60,23 +65,27 @@ std::optional<uint32_t> probedSteps(const std::filesystem::path& folder) {
     return uint32_t(std::max(1L, std::strtol(std::string(bytes->begin(), bytes->end()).c_str(), nullptr, 10)));
 }
 
-/** The number of steps that fits into the time budget, by timing a short probe run of the slowest steps. The number is stored beside the
- *  checkpoint, so that a continued run uses the same one. */
-Result<uint32_t> stepsInBudget(const CoOptimiseInput& input, const RunSettings& settings, Jobs& jobs, const StageContext& context) {
+/** The steps with which the whole run keeps its time budget, by timing a short probe run of the slowest steps. spentS: of the budget, on
+ * the stages before. The number is stored beside the checkpoint, so that a continued run uses the same one. */
+Result<uint32_t> stepsInBudget(const CoOptimiseInput& input, const RunSettings& settings, double spentS, Jobs& jobs,
+                               const StageContext& context) {
     if (const auto steps = probedSteps(context.folder)) return *steps;
     DPL_TRY(auto probe, CoOptimiser::create(input, slowestSteps(settings.training), jobs));
     const auto start = std::chrono::steady_clock::now();
     DPL_RETURN_IF_ERROR(probe->run(kProbeSteps));
-    const double secondsPerStep = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count() / kProbeSteps;
-    const uint32_t steps = uint32_t(std::clamp(settings.timeBudgetMinutes * 60 / secondsPerStep, 100.0, 1e6));
+    const double probeS = secondsSince(start), leftS = settings.timeBudgetMinutes * 60 - spentS - probeS;
+    const uint32_t steps = stepsWithin(leftS, probeS / kProbeSteps, {0, settings.polishSteps, settings.poseFit.iterations});
     DPL_RETURN_IF_ERROR(writeFileAtomically(context.folder / kStepsFile, std::to_string(steps)));
+    context.progress.note(
+        formatText("{} steps of training fit into the time budget, of which {} s are spent{}", steps, std::lround(spentS),
+                   steps > kLeastSteps ? "" : ". They are the fewest, and the run will take longer than it; give it more"));
     return steps;
 }
 
-Status train(CoOptimiseInput input, const RunSettings& settings, Jobs& jobs, StageContext& context, TrainingShown shown) {
+Status train(CoOptimiseInput input, const RunSettings& settings, double spentS, Jobs& jobs, StageContext& context, TrainingShown shown) {
     CoOptimiseSettings training = settings.training;
     if (settings.timeBudgetMinutes > 0) {
-        DPL_TRY(training.steps, stepsInBudget(input, settings, jobs, context));
+        DPL_TRY(training.steps, stepsInBudget(input, settings, spentS, jobs, context));
     }
     DPL_TRY(auto optimiser, CoOptimiser::create(std::move(input), training, jobs));
     if (!settings.from.empty()) {
@@ -153,10 +162,14 @@ Status StageOf<Training>::make(StageInputs& in, StageContext& context) {
     DPL_TRY(const RunSettings* settings, in.of<RunSettings>());
     context.progress.detail(
         formatText("pictures at the size of a training level are kept up to {} MiB", CoOptimiseInput().levelBoundBytes >> 20));
+    const auto began = std::chrono::steady_clock::now();
+    double spentS = 0;
+    for (const StageRecord& stage : in.records()) spentS += stage.seconds;
     DPL_TRY(CoOptimiseInput input, inputOfStage(in));
+    spentS += secondsSince(began);
     TrainingShown shown(context.progress.news(), input);
     shown.heldBack(*table);
-    DPL_RETURN_IF_ERROR(train(std::move(input), *settings, in.jobs(), context, std::move(shown)));
+    DPL_RETURN_IF_ERROR(train(std::move(input), *settings, spentS, in.jobs(), context, std::move(shown)));
     return dropCheckpoint();
 }
 

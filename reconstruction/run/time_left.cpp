@@ -34,13 +34,32 @@ double ratio(uint32_t ours, uint32_t theirs) {
     return double(ours) / double(theirs);
 }
 
-const MeasuredRun& nearestRun(uint32_t steps) {
-    const auto away = [&](const MeasuredRun& run) { return std::abs(std::log(ratio(std::max(1u, steps), run.steps))); };
+/** away: how far a run is, from 0. */
+template <class Away>
+const MeasuredRun& nearest(Away away) {
     return *std::min_element(std::begin(kMeasuredRuns), std::end(kMeasuredRuns),
                              [&](const MeasuredRun& a, const MeasuredRun& b) { return away(a) < away(b); });
 }
 
+const MeasuredRun& nearestRun(uint32_t steps) {
+    return nearest([&](const MeasuredRun& run) { return std::abs(std::log(ratio(std::max(1u, steps), run.steps))); });
+}
+
+/** Row of a stage that every run has. */
+constexpr size_t kTraining = 6, kEvidence = 7, kPackage = 8, kPoseFit = 9, kReport = 10;
+constexpr double kMeanStep = 0.95;  // mean time of a training's steps, of that of its last ones: median of the measured runs
+
 }  // namespace
+
+uint32_t stepsWithin(double seconds, double stepS, const RunSize& size) {
+    const MeasuredRun& like =
+        nearest([&](const MeasuredRun& run) { return std::abs(std::log(ratio(std::max(1u, size.poseFitRounds), run.poseFitRounds))); });
+    const double meanS = kMeanStep * std::max(1e-6, stepS), slower = meanS * like.steps / like.seconds[kTraining];
+    const double afterS = like.seconds[kPackage] * ratio(size.polishSteps, like.polishSteps) +
+                          like.seconds[kPoseFit] * ratio(size.poseFitRounds, like.poseFitRounds) + like.seconds[kReport];
+    const double perStepS = meanS * (1 + like.seconds[kEvidence] / like.seconds[kTraining]);
+    return uint32_t(std::min(double(kMostSteps), std::max(double(kLeastSteps), (seconds - slower * afterS) / perStepS)));
+}
 
 void TimeLeft::plan(const RunSize& size) {
     const MeasuredRun& like = nearestRun(size.steps);

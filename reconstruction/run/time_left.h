@@ -19,6 +19,13 @@ struct RunSize {
     std::string_view lastStage = "report";                   // name of the last one that runs
 };
 
+/** The steps of a training that lets the rest of the run end in `seconds` from now. stepS: of one of the run's slowest steps; the stages
+ *  behind the training take as much longer or shorter than in the measured runs as the training does. size: without its steps; its rounds
+ *  choose the measured run. At least
+ *  kLeastSteps, which may be more than there is time for. */
+uint32_t stepsWithin(double seconds, double stepS, const RunSize& size);
+constexpr uint32_t kLeastSteps = 100, kMostSteps = 1'000'000;
+
 /** Times are seconds of one clock that never goes back. */
 class TimeLeft {
 public:

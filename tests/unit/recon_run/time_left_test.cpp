@@ -169,5 +169,42 @@ TEST(ProgressLine, fitsItsTerminal) {
     EXPECT_EQ(line.size(), 79u);
 }
 
+/** Seconds of a run from the training on, by the table of `standard`, on a machine on which a slow step takes stepS. */
+double fromTrainingOn(uint32_t steps, double stepS) {
+    const double train = 0.95 * stepS * steps, slower = 0.95 * stepS * 10000 / 530;
+    return train * (1 + 308.0 / 530) + slower * (30.4 + 72.5 + 50);
+}
+
+TEST(StepsWithin, theRunEndsInTime) {
+    const RunSize standard{0, 600, 80};
+    for (const double stepS : {0.02, 0.05, 0.3})
+        for (const double minutes : {30.0, 60.0, 600.0}) {
+            const double seconds = minutes * 60;
+            if (seconds < fromTrainingOn(kLeastSteps, stepS)) continue;
+            const uint32_t steps = stepsWithin(seconds, stepS, standard);
+            EXPECT_LE(fromTrainingOn(steps, stepS), seconds) << stepS << " s, " << minutes << " min";
+            EXPECT_GT(fromTrainingOn(steps + 2, stepS), seconds) << stepS << " s, " << minutes << " min";
+        }
+}
+
+TEST(StepsWithin, moreTimeIsNeverFewerStepsAndALongerStepNeverMore) {
+    const RunSize draft{0, 200, 40};
+    uint32_t before = 0;
+    for (double seconds = 60; seconds < 20000; seconds *= 1.1) {
+        const uint32_t steps = stepsWithin(seconds, 0.04, draft);
+        EXPECT_GE(steps, before) << seconds;
+        EXPECT_LE(stepsWithin(seconds, 0.05, draft), steps) << seconds;
+        before = steps;
+    }
+    EXPECT_GT(before, 50000u);
+}
+
+TEST(StepsWithin, thereAreAlwaysSomeAndNeverTooMany) {
+    const RunSize draft{0, 200, 40};
+    for (const double seconds : {-100.0, 0.0, 10.0, double(NAN)}) EXPECT_EQ(stepsWithin(seconds, 0.04, draft), kLeastSteps) << seconds;
+    EXPECT_EQ(stepsWithin(1e9, 0.04, draft), kMostSteps);
+    EXPECT_EQ(stepsWithin(600, 0, draft), kMostSteps);
+}
+
 }  // namespace
 }  // namespace dpl::test
