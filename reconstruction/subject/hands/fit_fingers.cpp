@@ -42,7 +42,7 @@ public:
         for (const Split split : {Split::Train, Split::Validation, Split::Test}) DPL_RETURN_IF_ERROR(fitMoving(split));
         std::vector<double> px;
         for (size_t f = 0; f < frames_.size(); ++f)
-            if (frames_[f].seen && (isStill(f) || frames_[f].posed)) measure(f, px);
+            if (frames_[f].seen && (isStill(f) ? scan_.frames[f].split == Split::Train : frames_[f].posed)) measure(f, px);
         if (!px.empty()) {
             std::nth_element(px.begin(), px.begin() + std::ptrdiff_t(px.size() / 2), px.end());
             found_.medianPx = px[px.size() / 2];
@@ -234,7 +234,10 @@ private:
         return values;
     }
 
+    /** Whether the points are no hand of this person: they lie too far from its wrist, or are no hand. */
     bool isStrange(size_t f, const HandTurns& turns) const {
+        const auto& wrist = frames_[f].wrist;
+        if (std::hypot(wrist[3], wrist[4], wrist[5]) > priors::kKeypointOutlierSigmas * priors::kWristShiftM) return true;
         const std::vector<double> values = residuals(f, turns);
         size_t far = 0;
         for (size_t i = 0; i + 1 < values.size(); i += 2) far += std::hypot(values[i], values[i + 1]) > priors::kKeypointOutlierSigmas;

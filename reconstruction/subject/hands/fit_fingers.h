@@ -23,7 +23,7 @@ struct HandFit {
     size_t stillFrames = 0;   // that show it well enough
     size_t movingFrames = 0;  // that show it well enough, in all splits
     size_t posedFrames = 0;   // of these: with fingers of their own
-    double medianPx = 0;      // distance of its points from the fitted fingers in these frames
+    double medianPx = 0;      // distance of its points from the fitted fingers, in still train frames and in posed ones
 };
 
 /** Turns the fingers in fit.staticPose and fit.poses. `body` is the one that was fitted; hands[f] holds the points of

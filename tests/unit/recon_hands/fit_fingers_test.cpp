@@ -178,7 +178,7 @@ TEST(FitFingers, strangeHandsLeaveTheFingersAlone) {
         if (kind == 2)
             for (ScanFrame& frame : m.scan.frames) frame.camera = frame.camera.scaled(0.4);
         ASSERT_TRUE(fitFingers(knownBody(), m.scan, m.hands, m.fit));
-        EXPECT_EQ(tipsMm(before, m.fit.poses).first, 0) << kind;
+        EXPECT_EQ(tipsMm(before, m.fit.poses).first, 0) << "kind " << kind;
         expectLimits(m.fit.poses);
     }
 }
