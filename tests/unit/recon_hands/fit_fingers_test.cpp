@@ -8,6 +8,7 @@
 #include <random>
 
 #include "reconstruction/subject/body/body_truth.h"
+#include "reconstruction/subject/body/swapped_sides.h"
 #include "reconstruction/subject/hands/hand_rig.h"
 #include "tests/unit/must.h"
 #include "tests/unit/recon_hands/known_body.h"
@@ -196,6 +197,18 @@ TEST(FitFingers, aHiddenHandKeepsTheStillPose) {
                 EXPECT_EQ(m.fit.poses[f].localRotations[joint], m.fit.staticPose.localRotations[joint]);
     EXPECT_EQ(hands[0].posedFrames, 0u);
     EXPECT_GE(hands[1].posedFrames, 8u);
+}
+
+TEST(FitFingers, handsFollowTheSidesThatTheBodyFitGave) {
+    Made m = make(0.5, 1.3, /*noisePx=*/1, /*movingFrames=*/0), exchanged = m;
+    const size_t turned = 4;
+    std::rotate(exchanged.hands[turned].begin(), exchanged.hands[turned].begin() + kHandPoints, exchanged.hands[turned].end());
+    exchanged.fit.swapped.assign(m.scan.frames.size(), kNoneSwapped);
+    exchanged.fit.swapped[turned] = kUpperSwapped;
+    ASSERT_TRUE(fitFingers(knownBody(), m.scan, m.hands, m.fit));
+    ASSERT_TRUE(fitFingers(knownBody(), exchanged.scan, exchanged.hands, exchanged.fit));
+    EXPECT_EQ(m.fit.staticPose.localRotations, exchanged.fit.staticPose.localRotations);
+    EXPECT_GT(tipsMm(m.fit.poses, std::vector<Pose>(m.fit.poses.size(), Pose::rest(knownBody().joints.size()))).second, 20);
 }
 
 TEST(FitFingers, wrongListsAndNumbersAreRefused) {
