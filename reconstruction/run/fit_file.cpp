@@ -100,4 +100,36 @@ Result<BodyFit> readFitFile(const std::filesystem::path& path, size_t frameCount
     return fit;
 }
 
+std::string handsToJson(std::span<const HandFit> hands) {
+    json out = json::array();
+    for (const HandFit& hand : hands)
+        out.push_back({{"left", hand.left},
+                       {"turned", hand.turned},
+                       {"still_frames", hand.stillFrames},
+                       {"moving_frames", hand.movingFrames},
+                       {"posed_frames", hand.posedFrames},
+                       {"median_px", hand.medianPx}});
+    return out.dump();
+}
+
+Result<std::vector<HandFit>> readHandsFile(const std::filesystem::path& path) {
+    constexpr uint64_t kMostBytes = 1 << 16;
+    DPL_TRY(auto bytes, readFile(path, kMostBytes));
+    const json root = json::parse(bytes.begin(), bytes.end(), nullptr, false);
+    std::vector<HandFit> hands;
+    try {
+        for (const json& h : root) {
+            HandFit hand;
+            hand.left = h.at("left"), hand.turned = h.at("turned");
+            hand.stillFrames = h.at("still_frames"), hand.movingFrames = h.at("moving_frames"), hand.posedFrames = h.at("posed_frames");
+            hand.medianPx = h.at("median_px");
+            hands.push_back(hand);
+        }
+    } catch (const json::exception&) {
+        hands.clear();
+    }
+    if (hands.empty()) return fail(Code::CorruptData, "{} is damaged; delete it and run again", path.string());
+    return hands;
+}
+
 }  // namespace dpl

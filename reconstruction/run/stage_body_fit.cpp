@@ -67,12 +67,15 @@ Status StageOf<FittedBody>::make(StageInputs& in, StageContext& context) {
     const Scan& scan = table->scan;
     BodyFitSettings settings;
     DPL_TRY(BodyFit fit, fitBody(chosen->body, scan, settings));
+    DPL_TRY(const std::vector<HandFit> hands, fitFingers(chosen->body, scan, fit));
     if (const std::string swaps = describeSwaps(scan, fit.swapped); !swaps.empty()) context.progress.note(swaps);
     if (fit.metresPerUnit != 1)
         context.progress.note(formatText("one unit of the scan's world is {} m, by the size of the person in it",
                                          std::round(1000 * fit.metresPerUnit) / 1000));
     else if (!scan.unitStated)
         context.progress.note("the scan's world is taken to be in metres: the person in it is of a human size");
+    for (const HandFit& hand : hands) context.progress.note(describeHand(hand));
+    if (!hands.empty()) DPL_RETURN_IF_ERROR(writeFileAtomically(context.folder / "hands.json", handsToJson(hands)));
     return writeFileAtomically(context.folder / "fit.json", fitToJson(fit));
 }
 
@@ -80,7 +83,12 @@ Result<FittedBody> StageOf<FittedBody>::read(StageInputs& in, const std::filesys
     DPL_TRY(const FrameTable* table, in.of<FrameTable>());
     DPL_TRY(const ChosenBody* chosen, in.of<ChosenBody>());
     DPL_TRY(BodyFit fit, readFitFile(folder / "fit.json", table->rows(), chosen->body.joints.size(), chosen->body.morphs.size()));
-    return fittedBody(chosen->body, std::move(fit));
+    FittedBody fitted = fittedBody(chosen->body, std::move(fit));
+    std::error_code ignored;
+    if (std::filesystem::exists(folder / "hands.json", ignored)) {
+        DPL_TRY(fitted.hands, readHandsFile(folder / "hands.json"));
+    }
+    return fitted;
 }
 
 Status StageOf<MetricCameras>::inputs(StageInputs& in) {

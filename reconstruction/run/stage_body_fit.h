@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// The stage body-fit: one shape, one still pose, one pose for each moving frame.
+// The stage body-fit: one shape, one still pose, one pose for each moving frame, fingers where the scan shows them.
 #pragma once
 
 #include "reconstruction/run/frame_table.h"
 #include "reconstruction/run/graph.h"
 #include "reconstruction/subject/body/fit_body.h"
+#include "reconstruction/subject/hands/fit_fingers.h"
 
 namespace dpl {
 
@@ -25,12 +26,13 @@ struct FittedBody {
     BodyModel shaped;                       // the chosen body at the fitted shape, with its shoulders at rest as in the still pose
     BodyFit fit;                            // poses: of `shaped`
     PoseColumn<PoseSource::BodyFit> poses;  // those of `fit`
+    std::vector<HandFit> hands;             // empty: the scan has no keypoints of hands
 };
 
 template <>
 struct StageOf<FittedBody> {
-    static constexpr StageName kName{"body-fit", 12};
-    static constexpr const char* kPriors[] = {"input/cameras", "input/capture", "subject/body"};
+    static constexpr StageName kName{"body-fit", 13};
+    static constexpr const char* kPriors[] = {"input/cameras", "input/capture", "subject/body", "subject/hands"};
     static Status inputs(StageInputs& in);
     static Status make(StageInputs& in, StageContext& context);
     static Result<FittedBody> read(StageInputs& in, const std::filesystem::path& folder);

@@ -51,6 +51,20 @@ void addTruth(const TruthComparison& truth, const std::string& key, const std::s
     add("limbs_p95", "limb directions, 95th percentile", "degrees", truth.limbDegrees.p95, 10);
 }
 
+/** Adds how far fingertips are from the truth as their wrist sees them, beside what fingers at rest would be. */
+void addFingers(const FingerTruth& truth, const std::string& key, const std::string& after, ReportData& data) {
+    const std::string group = "fingertips in the wrist's frame against the truth, " + after;
+    const auto add = [&](const char* part, const char* name, const ErrorSpread& found, const ErrorSpread& atRest, double atMost) {
+        if (found.count == 0) return;
+        data.figures.push_back({"truth." + key + "." + part, group, name, "mm", found.mean,
+                                ReportBar{std::min(atMost, 0.5 * atRest.mean), /*atLeast=*/false}});
+        data.figures.push_back(
+            {"truth." + key + "." + part + "_at_rest", group, std::string(name) + ", fingers never fitted", "mm", atRest.mean, {}});
+    };
+    add("fingers_still", "still frames, mean", truth.stillMm, truth.stillAtRestMm, 8);
+    add("fingers_moving", "moving frames, mean", truth.movingMm, truth.movingAtRestMm, 15);
+}
+
 /** Adds the keypoint residuals, the distances to the truth if the scan has one, and what the figures stand for. The avatar is already
  *  written, so the truth cannot affect it. */
 void addRegistration(const Scan& scan, const FittedBody& body, const PosesFile& poses, ReportData& data) {
@@ -71,14 +85,31 @@ void addRegistration(const Scan& scan, const FittedBody& body, const PosesFile& 
             {"detector.assumed_sigma", noise, "the same, assumed by the body fit", "% of the diagonal", 100 * keypointSigma(scan), {}});
         data.figures.push_back({"detector.outliers", noise, "outliers", "% of the keypoints", 100 * body.fit.outlierShare, {}});
     }
+    for (const HandFit& hand : body.hands) {
+        const std::string group = "fingers from keypoints", key = hand.left ? "hand.left" : "hand.right";
+        const std::string name = hand.left ? "left hand" : "right hand";
+        data.figures.push_back({key + ".still",
+                                group,
+                                name + ", still frames that show it; fingers " + (hand.turned ? "turned" : "at rest"),
+                                "frames",
+                                double(hand.stillFrames),
+                                {}});
+        data.figures.push_back({key + ".moving", group, name + ", moving frames that show it", "frames", double(hand.movingFrames), {}});
+        data.figures.push_back(
+            {key + ".posed", group, name + ", of these with fingers of their own", "frames", double(hand.posedFrames), {}});
+        data.figures.push_back({key + ".median", group, name + ", keypoints from the fitted fingers, median", "px", hand.medianPx, {}});
+    }
     const auto afterFit = compareWithTruth(scan.root, scan, body.shaped, body.fit);
     data.provenance = provenanceOf(scan.name, afterFit && afterFit->sameBody);
     if (!afterFit || afterFit->keypointsMm.count == 0) return;
     addTruth(*afterFit, "body_fit", "after the body fit", data);
+    addFingers(afterFit->fingers, "body_fit", "after the body fit", data);
     BodyFit final = body.fit;
     for (size_t f = 0; f < final.poses.size(); ++f) final.poses[f] = poses.frames[f].bestPose();
-    if (const auto afterPoseFit = compareWithTruth(scan.root, scan, body.shaped, final))
+    if (const auto afterPoseFit = compareWithTruth(scan.root, scan, body.shaped, final)) {
         addTruth(*afterPoseFit, "pose_fit", "after training and pose fit", data);
+        addFingers(afterPoseFit->fingers, "pose_fit", "after training and pose fit", data);
+    }
 }
 
 /** Adds the gain of pose fit and of splats, the two steps that the report measures both with and without. */

@@ -108,7 +108,14 @@ class Converter(unittest.TestCase):
                               (attribute("up", "dilations", 1, 2, 2, 1), ("up", "dilated")),
                               (inputs("up", "up/sizes", "up/weights", "large"), ("up", "do not fit")),
                               (inputs("up", "size", "up/weights", "positive"), ("up", "do not fit")),  # two numbers for a size
-                              (shape("up/weights", 4, 4, 4, 2), ("up", "do not fit"))):
+                              (shape("up/weights", 4, 4, 4, 2), ("up", "do not fit")),
+                              (inputs("means", "joined", "means/axes"), ("means", "is not supported")),  # not a picture
+                              (inputs("means", "positive", "axis"), ("means", "is not supported")),  # along one axis
+                              (inputs("means", "positive", "mean"), ("mean", "must be a constant")),
+                              (shape("hidden/weights", 6, 4), ("hidden", "do not fit")),
+                              (inputs("hidden", "positive", "hidden/weights", "hidden/bias"), ("hidden", "do not fit")),
+                              (inputs("hidden", "means", "hidden/weights", "flags/weights"), ("hidden", "18 biases for 6")),
+                              (lambda root, nodes: nodes["flags"]["attr"].__setitem__("transpose_b", {"b": True}), ("flags", "do not fit"))):
             self.changed(change)
             self.refuses(*words)
 

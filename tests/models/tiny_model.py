@@ -115,6 +115,14 @@ class TinyModel:
         self.node("Conv2DBackpropInput", "up",
                   [self.numbers("up/sizes", [4], [1, 8, 8, 2]), self.weights("up/weights", [4, 4, 2, 4]), positive],
                   strides=_list([1, 2, 2, 1]), padding=_text("SAME"), data_format=_text("NHWC"), dilations=_list([1, 1, 1, 1]))  # 8×8×2
+        self._rows_of_means(positive)
+
+    def _rows_of_means(self, picture):
+        """Means of channels times matrices, with and without what is fused into the product: the ends of the hand's landmarks."""
+        means = self.node("Mean", "means", [picture, self.numbers("means/axes", [2], [1, 2])], keep_dims={"b": False})  # 4
+        fused = {"fused_ops": {"list": {"s": [base64.b64encode(f.encode()).decode() for f in ("BiasAdd", "Relu")]}}}
+        hidden = self.node("_FusedMatMul", "hidden", [means, self.weights("hidden/weights", [4, 6]), self.weights("hidden/bias", [6])], **fused)
+        self.node("Sigmoid", "flag", [self.node("MatMul", "flags", [hidden, self.weights("flags/weights", [6, 3])])])
 
     def files(self):
         """model.json and the weights, as bytes."""
@@ -123,7 +131,7 @@ class TinyModel:
         root = {"format": "graph-model",
                 "signature": {"inputs": {"input": port("input", [-1, SIDE, SIDE, 3])},
                               "outputs": {"map": port("Identity", [-1, 8, 8, 1]), "rows": port("Identity_1", [-1, 24, 4]),
-                                          "up:0": port("up", [1, 8, 8, 2])}},
+                                          "up:0": port("up", [1, 8, 8, 2]), "flags:0": port("flag", [1, 3])}},
                 "modelTopology": {"node": self.nodes},
                 "weightsManifest": [{"paths": ["tiny.bin"], "weights": self.entries}]}
         return json.dumps(root).encode(), self.data
@@ -216,4 +224,11 @@ class TinyModel:
             if 0 <= to_y < 8 and 0 <= to_x < 8:
                 for o, k in itertools.product(range(2), range(4)):
                     up[o][to_y][to_x] += positive[y][x][k] * weights[((ky * 4 + kx) * 2 + o) * 4 + k]
-        return {"map": [v for row in blocks for v in row], "rows": flat, "up:0": [v for plane in up for row in plane for v in row]}
+        means = [sum(pixel[k] for row in positive for pixel in row) / 16 for k in range(4)]
+
+        def times(row, name, columns):
+            return [sum(v * constant(name)[i * columns + c] for i, v in enumerate(row)) for c in range(columns)]
+        hidden = [relu(v + b) for v, b in zip(times(means, "hidden/weights", 6), constant("hidden/bias"))]
+        flags = [1 / (1 + math.exp(-v)) for v in times(hidden, "flags/weights", 3)]
+        return {"map": [v for row in blocks for v in row], "rows": flat, "up:0": [v for plane in up for row in plane for v in row],
+                "flags:0": flags}

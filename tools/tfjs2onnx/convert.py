@@ -154,20 +154,24 @@ class Converter:
             values = [w[(tap * channels + c) * last + o] for o in range(last) for c in range(channels) for tap in range(taps)]
             weight_shape = [last, channels, height, width]
         inputs = [self._name(arguments[0]), self._add_tensor(key, weight_shape, values)]
+        self._emit_fused("Conv", key, inputs, arguments, attributes, window, out_channels)
+        self.values[key] = [shape[0], size[0], size[1], out_channels]
+
+    def _emit_fused(self, op, key, inputs, arguments, attributes, onnx_attributes, count):
+        """A node, with the bias (`count` numbers) and the activation that TensorFlow fused into it."""
         fused = attributes.texts("fused_ops")
         if fused and fused[0] != "BiasAdd":
             raise ModelError(f"{key}: the fused operation {fused[0]} is not supported")
         if fused:
             bias = self._constant(arguments[2])
-            if len(bias.values) != out_channels:
-                raise ModelError(f"{key}: {len(bias.values)} biases for {out_channels} channels")
-            inputs.append(self._add_tensor(key, [out_channels], bias.values))
+            if len(bias.values) != count:
+                raise ModelError(f"{key}: {len(bias.values)} biases for {count} channels")
+            inputs.append(self._add_tensor(key, [count], bias.values))
         if len(fused) > 2:
             raise ModelError(f"{key}: more than one fused activation is not supported")
-        self._emit("Conv", inputs, key + "/linear" if len(fused) == 2 else key, window)
+        self._emit(op, inputs, key + "/linear" if len(fused) == 2 else key, onnx_attributes)
         if len(fused) == 2:
             self._activate(key, key + "/linear", fused[1])
-        self.values[key] = [shape[0], size[0], size[1], out_channels]
 
     # One function for each operation of TensorFlow.
 
@@ -180,6 +184,35 @@ class Converter:
         self._convolve(key, arguments, attributes, depthwise=True)
 
     _op_DepthwiseConv2dNative = _op_FusedDepthwiseConv2dNative
+
+    def _op_FusedMatMul(self, key, arguments, attributes):
+        """A row times a constant matrix, plus a constant row."""
+        shape, weights = self._shape(arguments[0]), self._constant(arguments[1])
+        if (len(shape) != 2 or len(weights.shape) != 2 or weights.shape[0] != shape[1] or attributes.boolean("transpose_a")
+                or attributes.boolean("transpose_b")):
+            raise ModelError(f"{key}: input {shape} and weights {list(weights.shape)} do not fit")
+        rows, columns = weights.shape
+        values = [weights.values[r * columns + c] for c in range(columns) for r in range(rows)]  # I, O -> O, I
+        inputs = [self._name(arguments[0]), self._add_tensor(key, [columns, rows], values)]
+        if not attributes.texts("fused_ops"):
+            inputs.append(self._add_tensor(key, [columns], [0.0] * columns))
+        self._emit_fused("Gemm", key, inputs, arguments, attributes, {"transB": 1}, columns)
+        self.values[key] = [shape[0], columns]
+
+    _op_MatMul = _op_FusedMatMul
+
+    def _op_Mean(self, key, arguments, attributes):
+        """The mean of each channel of a picture."""
+        shape, axes = self._shape(arguments[0]), sorted(self._constant(arguments[1]).values)
+        if len(shape) != 4 or axes != [1, 2]:
+            raise ModelError(f"{key}: the mean of {shape} along {axes} is not supported")
+        if attributes.boolean("keep_dims"):
+            self._emit("GlobalAveragePool", [self._name(arguments[0])], key, {})
+            self.values[key] = [shape[0], 1, 1, shape[3]]
+        else:
+            pooled = self._emit("GlobalAveragePool", [self._name(arguments[0])], key + "/pooled", {})
+            self._reshape(key, pooled, [shape[0], shape[3]])
+            self.values[key] = [shape[0], shape[3]]
 
     def _op_Identity(self, key, arguments, attributes):
         self.values[key] = self.values[arguments[0]]

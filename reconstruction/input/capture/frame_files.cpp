@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Reads pixels and keypoints of one frame and removes lens distortion, so that every later stage works with a pinhole camera.
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstring>
 #include <map>
@@ -12,6 +13,7 @@
 #include "reconstruction/base/json_fields.h"
 #include "reconstruction/base/models_folder.h"
 #include "reconstruction/input/capture/frame_picture.h"
+#include "reconstruction/input/capture/hand_keypoints.h"
 #include "reconstruction/input/capture/scan_readers.h"
 
 namespace dpl {
@@ -135,9 +137,11 @@ Result<FramePicture> readFramePicture(const ScanFrame& frame) {
     return picture;
 }
 
-Result<std::vector<Keypoint>> readKeypoints(const Scan& scan, const ScanFrame& frame) {
-    std::vector<Keypoint> keypoints;
-    if (frame.keypointsPath.empty() || scan.keypointNames.empty()) return keypoints;
+namespace {
+
+/** The keypoints of a frame's file in the order of `names`. `ordered`: a file without names holds just these; else it holds none. */
+Result<std::vector<Keypoint>> readNamedKeypoints(const ScanFrame& frame, std::span<const std::string> names, bool ordered) {
+    std::vector<Keypoint> keypoints(names.size());
     DPL_TRY(const json file, readJsonObject(frame.keypointsPath));
     const std::string where = frame.keypointsPath.string();
     JsonFields fields(file, where);
@@ -147,27 +151,26 @@ Result<std::vector<Keypoint>> readKeypoints(const Scan& scan, const ScanFrame& f
     // The order is that of the file's own names, or of the scan when the file has none.
     std::vector<size_t> slot(positions->size(), SIZE_MAX);
     if (fields.has("names")) {
-        DPL_TRY(const json* names, fields.array("names"));
-        if (names->size() != positions->size())
-            return fail(Code::CorruptData, "{}: {} names for {} keypoints; write the file again", where, names->size(), positions->size());
+        DPL_TRY(const json* own, fields.array("names"));
+        if (own->size() != positions->size())
+            return fail(Code::CorruptData, "{}: {} names for {} keypoints; write the file again", where, own->size(), positions->size());
         std::map<std::string, size_t> order;
-        for (size_t k = 0; k < scan.keypointNames.size(); ++k) order[scan.keypointNames[k]] = k;
-        for (size_t i = 0; i < names->size(); ++i) {
-            if (!(*names)[i].is_string()) return fail(Code::CorruptData, "{}: 'names' holds something that is not text; correct it", where);
-            const auto found = order.find((*names)[i].get<std::string>());
+        for (size_t k = 0; k < names.size(); ++k) order[names[k]] = k;
+        for (size_t i = 0; i < own->size(); ++i) {
+            if (!(*own)[i].is_string()) return fail(Code::CorruptData, "{}: 'names' holds something that is not text; correct it", where);
+            const auto found = order.find((*own)[i].get<std::string>());
             if (found != order.end()) slot[i] = found->second;
         }
-    } else {
-        if (positions->size() != scan.keypointNames.size())
+    } else if (ordered) {
+        if (positions->size() != names.size())
             return fail(Code::CorruptData, "{}: {} keypoints, the scan has {} names; write the file again", where, positions->size(),
-                        scan.keypointNames.size());
+                        names.size());
         for (size_t i = 0; i < slot.size(); ++i) slot[i] = i;
     }
     std::vector<double> confidence(positions->size(), 1.0);
     if (fields.has("confidence")) {
         DPL_TRY(confidence, fields.numbers("confidence", positions->size()));
     }
-    keypoints.resize(scan.keypointNames.size());
     for (size_t i = 0; i < positions->size(); ++i) {
         const json& p = (*positions)[i];
         if (slot[i] == SIZE_MAX || p.is_null()) continue;
@@ -187,6 +190,36 @@ Result<std::vector<Keypoint>> readKeypoints(const Scan& scan, const ScanFrame& f
             k.px = {out[0].x + 0.5, out[0].y + 0.5};
         }
     }
+    return keypoints;
+}
+
+}  // namespace
+
+Result<std::vector<Keypoint>> readKeypoints(const Scan& scan, const ScanFrame& frame) {
+    if (frame.keypointsPath.empty() || scan.keypointNames.empty()) return std::vector<Keypoint>();
+    return readNamedKeypoints(frame, scan.keypointNames, /*ordered=*/true);
+}
+
+std::span<const std::string_view> handKeypointNames() {
+    static constexpr std::array<std::string_view, 2 * kHandPoints> kNames = {
+        "thumb1_l",  "thumb2_l",  "thumb3_l", "thumb4_l", "index1_l", "index2_l", "index3_l", "index4_l", "middle1_l", "middle2_l",
+        "middle3_l", "middle4_l", "ring1_l",  "ring2_l",  "ring3_l",  "ring4_l",  "pinky1_l", "pinky2_l", "pinky3_l",  "pinky4_l",
+        "thumb1_r",  "thumb2_r",  "thumb3_r", "thumb4_r", "index1_r", "index2_r", "index3_r", "index4_r", "middle1_r", "middle2_r",
+        "middle3_r", "middle4_r", "ring1_r",  "ring2_r",  "ring3_r",  "ring4_r",  "pinky1_r", "pinky2_r", "pinky3_r",  "pinky4_r"};
+    return kNames;
+}
+
+int32_t handKeypointNamed(std::string_view name) {
+    const auto names = handKeypointNames();
+    const auto found = std::find(names.begin(), names.end(), name);
+    return found == names.end() ? -1 : int32_t(found - names.begin());
+}
+
+Result<std::vector<Keypoint>> readHandKeypoints(const Scan& scan, const ScanFrame& frame) {
+    if (frame.keypointsPath.empty() || scan.keypointNames.empty()) return std::vector<Keypoint>();
+    const std::vector<std::string> names{handKeypointNames().begin(), handKeypointNames().end()};
+    DPL_TRY(auto keypoints, readNamedKeypoints(frame, names, /*ordered=*/false));
+    if (std::none_of(keypoints.begin(), keypoints.end(), [](const Keypoint& k) { return k.confidence > 0; })) keypoints.clear();
     return keypoints;
 }
 

@@ -7,6 +7,7 @@
 
 #include "reconstruction/base/image_size.h"
 #include "reconstruction/input/cameras/camera_convention.h"
+#include "reconstruction/input/capture/hand_keypoints.h"
 #include "reconstruction/input/capture/person_height.h"
 #include "reconstruction/input/capture/scan_readers.h"
 
@@ -183,6 +184,8 @@ Result<Scan> readScanFolder(const fs::path& manifestPath) {
     DPL_TRY(scan.name, fields.text("name", scan.root.filename().string()));
     DPL_TRY(scan.labels, readLabels(manifest, fields));
     DPL_TRY(scan.keypointNames, readKeypointNames(fields));
+    const auto ofHand = [](const std::string& name) { return handKeypointNamed(name) >= 0; };
+    std::erase_if(scan.keypointNames, ofHand);  // readHandKeypoints() knows their names
     DPL_TRY(const Common common, readCommon(fields, scan.root));
     DPL_TRY(const json* frames, fields.array("frames"));
     if (frames->size() > kMaxFrames)

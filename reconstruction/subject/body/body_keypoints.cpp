@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// The 24 keypoints of a humanoid body: body points at humanoid bones, face points from the head's vertices.
+// The keypoints of a humanoid body: body points at humanoid bones, face points from the head's vertices, and the hands'.
 #include <algorithm>
 #include <array>
 #include <limits>
 
 #include "reconstruction/subject/body/body_tools.h"
+#include "reconstruction/subject/body/hand_points.h"
 
 namespace dpl {
 namespace {
@@ -112,6 +113,8 @@ std::vector<BodyKeypoint> deriveKeypoints(const BodyModel& body) {
         return std::find(kScanKeypoints.begin(), kScanKeypoints.end(), a.name) <
                std::find(kScanKeypoints.begin(), kScanKeypoints.end(), b.name);
     });
+    const std::vector<BodyKeypoint> hands = deriveHandKeypoints(body);
+    found.insert(found.end(), hands.begin(), hands.end());
     return found;
 }
 

@@ -19,7 +19,7 @@ struct ShapeMorph {
 
 /** A named 3D point on the body: a weighted sum of skinned vertices and posed joints (weights sum to 1). */
 struct BodyKeypoint {
-    std::string name;  // one of scanKeypointNames(): "nose", "shoulder_l" ...
+    std::string name;  // one of scanKeypointNames() or handKeypointNames(): "nose", "shoulder_l", "index4_l" ...
     std::vector<std::pair<uint32_t, float>> vertices;
     std::vector<std::pair<uint32_t, float>> joints;
 };

@@ -33,8 +33,8 @@ int32_t findJoint(std::span<const JointData> joints, std::string_view name);
 /** The 24 keypoint names of a scan, in the order of scan.json. */
 std::span<const std::string_view> scanKeypointNames();
 
-/** Keypoints of a humanoid body: body points at the joints of its humanoid bones, face points from the shape of the head. A point that
- *  cannot be found is left out. */
+/** Keypoints of a humanoid body: body points at the joints of its humanoid bones, face points from the shape of the head, then those of
+ *  deriveHandKeypoints(). A point that cannot be found is left out. */
 std::vector<BodyKeypoint> deriveKeypoints(const BodyModel& body);
 
 /** Weights (sum 1) on the vertices nearest to `point` whose weighted mean is `point`. It may lie off the surface, as a pupil does.

@@ -7,6 +7,7 @@
 #include <map>
 #include <nlohmann/json.hpp>
 
+#include "reconstruction/input/capture/hand_keypoints.h"
 #include "reconstruction/subject/body/body_tools.h"
 #include "sdk/core/files.h"
 #include "sdk/math/skinning.h"
@@ -80,15 +81,77 @@ Vec3d upright(const nlohmann::json& p) {
     return {p.at(0).get<double>(), p.at(2).get<double>(), -p.at(1).get<double>()};
 }
 
+/** Sums of the fingertips' errors over frames. */
+class FingerErrors {
+public:
+    /** `truth`: hand_keypoints_world of a frame. */
+    void add(const ScanFrame& frame, const Camerad& camera, const nlohmann::json& truth, const BodyModel& shaped, const Pose& pose,
+             const std::array<std::optional<Vec3d>, 2>& trueWrists) {
+        if (!truth.is_array() || truth.size() != 2 * kHandPoints) return;
+        std::vector<std::string> names{"wrist_l", "wrist_r"};
+        for (const std::string_view name : handKeypointNames()) names.emplace_back(name);
+        const std::vector<PosedKeypoint> fitted = posedKeypoints(shaped, pose, names),
+                                         rest = posedKeypoints(shaped, Pose::rest(shaped.joints.size()), names);
+        if (std::any_of(fitted.begin(), fitted.end(), [](const PosedKeypoint& k) { return !k.present; })) return;
+        for (size_t side = 0; side < 2; ++side) {
+            if (!trueWrists[side]) continue;
+            std::vector<Vec3d> is, atRest, should;
+            for (size_t k = 0; k < kHandPoints; ++k) {
+                const auto& p = truth[side * kHandPoints + k];
+                if (!p.is_array() || p.size() != 3) return;
+                should.push_back(upright(p));
+                is.push_back(fitted[2 + side * kHandPoints + k].place);
+                atRest.push_back(rest[2 + side * kHandPoints + k].place);
+            }
+            if (lengthPx(camera, *trueWrists[side], should) < kSmallestTrueHandPx) continue;
+            const auto tips = tipsSeenByWrist(*trueWrists[side], should), found = tipsSeenByWrist(fitted[side].place, is),
+                       never = tipsSeenByWrist(rest[side].place, atRest);
+            const bool moving = frame.kind == FrameKind::Dynamic;
+            for (size_t f = 0; f < kHandFingers; ++f) {
+                mm_[moving].push_back(1000 * glm::length(found[f] - tips[f]));
+                atRestMm_[moving].push_back(1000 * glm::length(never[f] - tips[f]));
+            }
+        }
+    }
+    FingerTruth spreads() const { return {spreadOf(mm_[0]), spreadOf(mm_[1]), spreadOf(atRestMm_[0]), spreadOf(atRestMm_[1])}; }
+
+private:
+    /** The longer side of the hand's box in the picture; 0 where it is not all inside. */
+    static double lengthPx(const Camerad& camera, const Vec3d& wrist, std::vector<Vec3d> points) {
+        points.push_back(wrist);
+        Vec2d low(1e9), high(-1e9);
+        for (const Vec3d& p : points) {
+            const Vec3d view = camera.toView(p);
+            if (!(view.z > 0)) return 0;
+            low = glm::min(low, camera.pixelOf(view)), high = glm::max(high, camera.pixelOf(view));
+        }
+        if (low.x < 0 || low.y < 0 || high.x > camera.widthPx || high.y > camera.heightPx) return 0;
+        return std::max(high.x - low.x, high.y - low.y);
+    }
+    static std::array<Vec3d, kHandFingers> tipsSeenByWrist(const Vec3d& wrist, const std::vector<Vec3d>& points) {
+        const Vec3d index = points[kFingerPoints] - wrist, pinky = points[4 * kFingerPoints] - wrist;
+        const Vec3d x = glm::normalize(index + pinky), z = glm::normalize(glm::cross(index, pinky)), y = glm::cross(z, x);
+        std::array<Vec3d, kHandFingers> tips;
+        for (size_t f = 0; f < kHandFingers; ++f)
+            tips[f] = glm::transpose(Mat3d(x, y, z)) * (points[f * kFingerPoints + kFingerPoints - 1] - wrist);
+        return tips;
+    }
+    std::vector<double> mm_[2], atRestMm_[2];  // still, moving
+};
+
 }  // namespace
 
 Result<TruthComparison> compareWithTruth(const std::filesystem::path& scanRoot, const Scan& scan, const BodyModel& shaped,
                                          const BodyFit& fit) {
     DPL_TRY(const nlohmann::json truth, readTruth(scanRoot / "truth.json"));
-    std::map<std::string, const nlohmann::json*> byName;
+    std::map<std::string, const nlohmann::json*> byName, handsByName;
     for (const auto& frame : truth["frames"])
         if (frame.is_object() && frame.contains("name") && frame["name"].is_string() && frame.contains("keypoints_world"))
             byName[frame["name"].get<std::string>()] = &frame["keypoints_world"];
+    for (const auto& frame : truth["frames"])
+        if (frame.is_object() && frame.contains("name") && frame["name"].is_string() && frame.contains("hand_keypoints_world"))
+            handsByName[frame["name"].get<std::string>()] = &frame["hand_keypoints_world"];
+    FingerErrors fingers;
 
     std::vector<double> test, train, still, limbs;
     std::vector<std::vector<double>> perKeypoint(scan.keypointNames.size());
@@ -111,6 +174,13 @@ Result<TruthComparison> compareWithTruth(const std::filesystem::path& scanRoot, 
             test.push_back(mm);
             perKeypoint[k].push_back(mm);
         }
+        const auto wrist = [&](const char* name) {
+            const auto pair = pairs.find(name);
+            return pair == pairs.end() ? std::nullopt : std::optional(pair->second.second);
+        };
+        if (const auto hands = handsByName.find(frame.name); hands != handsByName.end())
+            fingers.add(frame, metricCamera(frame.camera, fit.metresPerUnit), *hands->second, shaped, fit.poses[f],
+                        {wrist("wrist_l"), wrist("wrist_r")});
         if (frame.kind != FrameKind::Dynamic || frame.split != Split::Test) continue;
         for (const auto& [from, to] : kLimbs) {
             const auto a = pairs.find(from), b = pairs.find(to);
@@ -127,6 +197,7 @@ Result<TruthComparison> compareWithTruth(const std::filesystem::path& scanRoot, 
     result.trainKeypointsMm = spreadOf(train);
     result.staticKeypointsMm = spreadOf(still);
     result.limbDegrees = spreadOf(limbs);
+    result.fingers = fingers.spreads();
     for (size_t k = 0; k < perKeypoint.size(); ++k) result.byKeypoint.push_back({scan.keypointNames[k], spreadOf(perKeypoint[k])});
     return result;
 }

@@ -21,11 +21,20 @@ struct KeypointTruth {
     ErrorSpread mm;
 };
 
+/** How far fingertips are from the truth as their wrist sees them: in axes of the wrist and the bases of index and pinky, which the
+ *  fingers do not move. Over the hands that the truth shows at least kSmallestTrueHandPx long. */
+struct FingerTruth {
+    ErrorSpread stillMm, movingMm;              // still frames, moving frames; all splits
+    ErrorSpread stillAtRestMm, movingAtRestMm;  // the same with fingers at rest, as if they had never been fitted
+};
+constexpr double kSmallestTrueHandPx = 24;
+
 struct TruthComparison {
     ErrorSpread keypointsMm;  // every keypoint of the dynamic Test frames
     std::vector<KeypointTruth> byKeypoint;
     ErrorSpread limbDegrees;                          // direction errors of the 12 limb bones, dynamic Test frames
     ErrorSpread trainKeypointsMm, staticKeypointsMm;  // dynamic Train frames; static full-body frames of both splits
+    FingerTruth fingers;                              // empty where the truth holds no hands
     bool sameBody = false;                            // truth.json states that the subject was made from the same template
 };
 

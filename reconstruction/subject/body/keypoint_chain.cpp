@@ -94,7 +94,7 @@ Vec3d KeypointChain::restPlace(size_t joint, const double* shape) const {
 }
 
 void KeypointChain::evaluate(const Mat3d& rootReference, const double* root, const double* pose, const double* shape, bool wantJacobian,
-                             Output& out) const {
+                             Output& out, std::span<const Mat3d> held) const {
     const size_t joints = rest_.size(), shapes = shapeCount_, width = columns();
     std::vector<Vec3d> rest(joints);
     for (size_t j = 0; j < joints; ++j) rest[j] = restPlace(j, shape);
@@ -118,7 +118,7 @@ void KeypointChain::evaluate(const Mat3d& rootReference, const double* root, con
         const size_t parent = size_t(parents_[j]);
         const Mat3d& up = out.rotations[parent];
         out.places[j] = out.places[parent] + up * (rest[j] - rest[parent]);
-        out.rotations[j] = up;
+        out.rotations[j] = slot < 0 && !held.empty() ? up * held[j] : up;
         if (slot >= 0) {
             const Vec3d w(pose[3 * slot], pose[3 * slot + 1], pose[3 * slot + 2]);
             out.rotations[j] = up * rotationOf(w);

@@ -57,9 +57,10 @@ public:
         std::vector<Vec3d> places;     // one per joint, world, metres
         std::vector<Mat3d> turns;      // one per joint: world rotation per unit of the joint's parameters; empty without the Jacobian
     };
-    /** Reads kRootSize values of root, 3·posedCount() of pose and shapeCount() of shape. */
-    void evaluate(const Mat3d& rootReference, const double* root, const double* pose, const double* shape, bool wantJacobian,
-                  Output& out) const;
+    /** Reads kRootSize values of root, 3·posedCount() of pose and shapeCount() of shape. `held`: local rotations of all joints, read where
+     * a joint is not posed, a finger's for example; empty: those are at rest. */
+    void evaluate(const Mat3d& rootReference, const double* root, const double* pose, const double* shape, bool wantJacobian, Output& out,
+                  std::span<const Mat3d> held = {}) const;
 
     /** Rest position of a joint for a shape, metres. */
     Vec3d restPlace(size_t joint, const double* shape) const;

@@ -16,6 +16,7 @@ namespace dpl {
 namespace {
 
 constexpr double kNoSwayRad = 1e-4;  // of joints that do not sway
+constexpr float kAtRest = 1e-6f;     // sine of half an angle that is nothing but rounding
 
 Mat3d matrixOf(const Quatf& q) {
     return glm::mat3_cast(glm::normalize(Quatd(q)));
@@ -41,6 +42,7 @@ FramePoses::FramePoses(const RegisterInput& input)
         states_[f].reference = matrixOf(pose.localRotations[0]);
         for (int a = 0; a < 3; ++a) states_[f].root[3 + a] = pose.rootTranslation[a];
         states_[f].pose = parametersOf(pose);
+        states_[f].held = heldOf(pose);
         if (input.frames[f].kind == FrameKind::Dynamic) order_.push_back(f);
     }
     std::stable_sort(order_.begin(), order_.end(), [&](size_t a, size_t b) { return input.frames[a].timeS < input.frames[b].timeS; });
@@ -50,6 +52,17 @@ std::vector<size_t> FramePoses::movingInTime(Split split) const {
     std::vector<size_t> frames;
     std::copy_if(order_.begin(), order_.end(), std::back_inserter(frames), [&](size_t f) { return input_.frames[f].split == split; });
     return frames;
+}
+
+std::vector<Mat3d> FramePoses::heldOf(const Pose& pose) const {
+    std::vector<Mat3d> held;
+    for (size_t j = 1; j < pose.localRotations.size(); ++j) {
+        const Quatf& turn = pose.localRotations[j];
+        if (chain_.columnOf(j) >= 0 || glm::length(Vec3f(turn.x, turn.y, turn.z)) < kAtRest) continue;
+        held.resize(pose.localRotations.size(), Mat3d(1));
+        held[j] = matrixOf(pose.localRotations[j]);
+    }
+    return held;
 }
 
 std::vector<double> FramePoses::parametersOf(const Pose& pose) const {

@@ -25,6 +25,8 @@ public:
     bool hasMoving(Split split) const { return !movingInTime(split).empty(); }
     const KeypointChain& chain() const { return chain_; }
     const Mat3d& reference(size_t frame) const { return states_[frame].reference; }
+    /** Local rotations of the joints that registration does not turn, fingers above all, as a frame came with them; empty: at rest. */
+    std::span<const Mat3d> held(size_t frame) const { return states_[frame].held; }
     Pose pose(size_t frame) const;
     /** Runs of neighbouring moving frames of a split whose keypoints of a limb lie more than kLimbDoubtSigmas from the current pose. */
     std::vector<std::vector<size_t>> doubtedRuns(size_t limb, Split split) const;
@@ -51,11 +53,13 @@ private:
         Mat3d reference{1};
         double root[kRootSize] = {};
         std::vector<double> pose;
+        std::vector<Mat3d> held;
     };
     double sigmaPx(const RegisterFrame& frame) const {
         return input_.keypointSigma * std::hypot(double(frame.camera.widthPx), double(frame.camera.heightPx));
     }
     std::vector<double> parametersOf(const Pose& pose) const;
+    std::vector<Mat3d> heldOf(const Pose& pose) const;
     LimbModel limbModel() const { return {body_, chain_, priors_, input_.keypointNames, &noShape_, stillPose_}; }
     LimbFrame limbFrame(size_t frame);
     void addKeypoints(ceres::Problem& problem, size_t frame);

@@ -23,13 +23,14 @@ double robust(double s, double c, double& slope) {
 }  // namespace
 
 PictureCost::PictureCost(const KeypointChain& chain, const Camerad& camera, const Mat3d& rootReference, const ContrastImage* contrast,
-                         std::vector<ContrastTerm> points, std::vector<OutlineTerm> outline)
+                         std::vector<ContrastTerm> points, std::vector<OutlineTerm> outline, std::span<const Mat3d> held)
     : chain_(chain),
       camera_(camera),
       rootReference_(rootReference),
       contrast_(contrast),
       points_(std::move(points)),
-      outline_(std::move(outline)) {
+      outline_(std::move(outline)),
+      held_(held) {
     set_num_residuals(int(chain.columns()) + 1);
     *mutable_parameter_block_sizes() = {kRootSize, int(3 * chain.posedCount())};
 }
@@ -39,7 +40,7 @@ bool PictureCost::Evaluate(double const* const* blocks, double* residuals, doubl
     const Eigen::Index n = Eigen::Index(chain_.columns());
     const bool wantJacobian = jacobians && (jacobians[0] || jacobians[1]);
     thread_local KeypointChain::Output posed;
-    chain_.evaluate(rootReference_, blocks[0], blocks[1], nullptr, wantJacobian, posed);
+    chain_.evaluate(rootReference_, blocks[0], blocks[1], nullptr, wantJacobian, posed, held_);
     const Mat3d viewToWorld = glm::transpose(camera_.viewFromWorldRotation);
     // Rows are collected in a block and added to H together, which is several times faster than one by one.
     constexpr Eigen::Index kBlock = 96;

@@ -32,9 +32,9 @@ struct OutlineTerm {
  *  without Jacobian puts the whole cost into the last residual. */
 class PictureCost final : public ceres::CostFunction {
 public:
-    /** Keeps references; `chain` must have no shape. */
+    /** Keeps references; `chain` must have no shape. `held`: as KeypointChain::evaluate() takes it. */
     PictureCost(const KeypointChain& chain, const Camerad& camera, const Mat3d& rootReference, const ContrastImage* contrast,
-                std::vector<ContrastTerm> points, std::vector<OutlineTerm> outline);
+                std::vector<ContrastTerm> points, std::vector<OutlineTerm> outline, std::span<const Mat3d> held = {});
     bool Evaluate(double const* const* blocks, double* residuals, double** jacobians) const override;
 
 private:
@@ -44,6 +44,7 @@ private:
     const ContrastImage* contrast_;
     std::vector<ContrastTerm> points_;
     std::vector<OutlineTerm> outline_;
+    std::span<const Mat3d> held_;
 };
 
 }  // namespace dpl

@@ -90,7 +90,7 @@ void PictureRounds::addTerms(ceres::Problem& problem, FramePoses& poses, std::sp
         for (OutlineTerm& term : outline) term.weight *= input_.pictureWeight * priors::kOutlineTrust;
         poses.addPicture(problem, shown_[i],
                          new PictureCost(poses.chain(), input_.frames[shown_[i]].camera, poses.reference(shown_[i]), &images_[i],
-                                         contrastTerms(i), std::move(outline)));
+                                         contrastTerms(i), std::move(outline), poses.held(shown_[i])));
     }
 }
 

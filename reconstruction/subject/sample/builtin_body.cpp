@@ -39,6 +39,8 @@ BodyModel makeBuiltinBody(Jobs& jobs) {
     body.mesh.layers = {{"body", "body", 0, uint32_t(mesh.positions.size()), 0, uint32_t(mesh.triangles.size())}};
     body.morphs = bodyMorphs(mesh, dense, body.joints);
     body.keypoints = bodyKeypoints(mesh);
+    const std::vector<BodyKeypoint> fingers = fingerKeypoints(mesh);
+    body.keypoints.insert(body.keypoints.end(), fingers.begin(), fingers.end());
     return body;
 }
 

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
 #include <limits>
 
+#include "reconstruction/input/capture/hand_keypoints.h"
 #include "reconstruction/subject/sample/builtin_parts.h"
 
 namespace dpl {
@@ -58,6 +60,21 @@ std::vector<BodyKeypoint> bodyKeypoints(const SurfaceMesh& mesh) {
         atJoint("toe_r", kRightFoot),
         onSurface("head_top", mesh, {0, 1.752f, -0.012f}),
     };
+}
+
+std::vector<BodyKeypoint> fingerKeypoints(const SurfaceMesh& mesh) {
+    constexpr Finger kOrder[kHandFingers] = {kThumb, kIndex, kMiddle, kRing, kPinky};
+    std::vector<BodyKeypoint> points;
+    for (const bool left : {true, false})
+        for (const Finger finger : kOrder)
+            for (int i = 0; i < int(kFingerPoints); ++i) {
+                const std::string name(handKeypointNames()[points.size()]);
+                const uint8_t joint = uint8_t(leftFingerJoint(finger, std::min(i, 2)) + (left ? 0 : kRightIndex1 - kLeftIndex1));
+                const Vec3f tip = leftFingerChain(finger)[3];
+                points.push_back(i < 3 ? atJoint(name.c_str(), joint)
+                                       : onSurface(name.c_str(), mesh, left ? tip : Vec3f(-tip.x, tip.y, tip.z)));
+            }
+    return points;
 }
 
 }  // namespace dpl

@@ -22,4 +22,7 @@ std::vector<ShapeMorph> bodyMorphs(const SurfaceMesh& mesh, const std::vector<fl
 
 std::vector<BodyKeypoint> bodyKeypoints(const SurfaceMesh& mesh);
 
+/** The keypoints of both hands, in the order of handKeypointNames(). */
+std::vector<BodyKeypoint> fingerKeypoints(const SurfaceMesh& mesh);
+
 }  // namespace dpl

@@ -4,21 +4,13 @@
 #include <algorithm>
 #include <cmath>
 
+#include "reconstruction/subject/sample/ease.h"
 #include "reconstruction/subject/sample/random.h"
 #include "reconstruction/subject/sample/skeleton.h"
 
 namespace dpl {
-namespace {
 
-/** 0 to 1 with zero speed and acceleration at both ends (quintic). */
-double ease(double t) {
-    t = std::clamp(t, 0.0, 1.0);
-    return t * t * t * (t * (6 * t - 15) + 10);
-}
-
-}  // namespace
-
-SampleMotion SampleMotion::dynamicSequence(uint64_t seed, double durationS) {
+SampleMotion SampleMotion::dynamicSequence(uint64_t seed, double durationS, bool fingers) {
     Random random(seed, 101);
     SampleMotion motion;
     motion.durationS_ = durationS;
@@ -73,6 +65,7 @@ SampleMotion SampleMotion::dynamicSequence(uint64_t seed, double durationS) {
         }
     for (int j = 0; j < kBuiltinJointCount; ++j)
         motion.swayPhase_.push_back({random.uniform(0, 6.28), random.uniform(0, 6.28), random.uniform(0, 6.28)});
+    if (fingers) motion.hands_.emplace(seed, durationS);
     return motion;
 }
 
@@ -91,10 +84,12 @@ TruthPose SampleMotion::pose(double timeS) const {
     // Lifting a leg shifts the hips over the other foot.
     const double left = std::max(0.0, -pose.rotations[kLeftHip].x), right = std::max(0.0, -pose.rotations[kRightHip].x);
     pose.translation.x += 0.045 * (right - left) / 1.2;
+    for (const bool side : {true, false})
+        if (hands_) setHand(side, hands_->at(side, timeS), pose);
     return pose;
 }
 
-TruthPose staticPose(uint64_t seed, uint32_t index) {
+TruthPose staticPose(uint64_t seed, uint32_t index, bool fingers) {
     Random random(seed, 7000 + index);
     TruthPose pose{std::vector<Vec3d>(kBuiltinJointCount, Vec3d(0)), Vec3d(0)};
     auto sway = [&](uint8_t joint, double sigmaRad) {
@@ -106,6 +101,8 @@ TruthPose staticPose(uint64_t seed, uint32_t index) {
     for (uint8_t joint : {kLeftShoulder, kRightShoulder}) sway(joint, 0.013);
     for (uint8_t joint : {kLeftElbow, kRightElbow, kLeftWrist, kRightWrist}) sway(joint, 0.015);
     for (int c = 0; c < 3; ++c) pose.translation[c] = (c == 1 ? 0.0008 : 0.0035) * std::clamp(random.normal(), -2.5, 2.5);
+    for (const bool side : {true, false})
+        if (fingers) setHand(side, stillHand(seed, side, index), pose);
     return pose;
 }
 

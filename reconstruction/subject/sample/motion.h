@@ -3,8 +3,10 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <vector>
 
+#include "reconstruction/subject/sample/hand_motion.h"
 #include "reconstruction/subject/sample/skinning.h"
 
 namespace dpl {
@@ -18,8 +20,9 @@ struct Action {
 
 class SampleMotion {
 public:
-    /** Arm raises, elbow flexion, leg raises, turns and a torso twist within `durationS`. Amplitudes vary by up to 8 % with the seed. */
-    static SampleMotion dynamicSequence(uint64_t seed, double durationS);
+    /** Arm raises, elbow flexion, leg raises, turns and a torso twist within `durationS`. Amplitudes vary by up to 8 % with the seed.
+     *  `fingers`: the hands make gestures (HandMotion) in place of a slight curl. */
+    static SampleMotion dynamicSequence(uint64_t seed, double durationS, bool fingers = false);
 
     /** Twice continuously differentiable in time. The rest pose before 0. */
     TruthPose pose(double timeS) const;
@@ -28,10 +31,12 @@ public:
 private:
     std::vector<Action> actions_;
     std::vector<Vec3d> swayPhase_;
+    std::optional<HandMotion> hands_;
     double durationS_ = 0;
 };
 
-/** The A-pose with the random sway of static shot `index`: up to 9 mm, and up to about two degrees per axis. */
-TruthPose staticPose(uint64_t seed, uint32_t index);
+/** The A-pose with the random sway of static shot `index`: up to 9 mm, and up to about two degrees per axis. `fingers`: with
+ *  the subject's own hands (stillHand) in place of the body's. */
+TruthPose staticPose(uint64_t seed, uint32_t index, bool fingers = false);
 
 }  // namespace dpl

@@ -38,7 +38,7 @@ Result<std::vector<TrainFrame>> sampleFrames(const Subject& subject, const Sampl
 }
 
 std::vector<Pose> sampleMotionPoses(const Subject& subject, const SampleScanOptions& options, uint32_t count) {
-    const SampleMotion motion = SampleMotion::dynamicSequence(subject.seed, options.dynamicS);
+    const SampleMotion motion = SampleMotion::dynamicSequence(subject.seed, options.dynamicS, options.fingers);
     std::vector<Pose> poses;
     for (uint32_t i = 0; i < count; ++i) poses.push_back(poseOf(motion.pose(options.dynamicS * (i + 1) / (count + 1))));
     return poses;

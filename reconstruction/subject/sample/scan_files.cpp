@@ -35,9 +35,12 @@ Json cameraJson(const Camerad& c) {
             {"t", triple(c.viewFromWorldTranslation, 1e12)}};
 }
 
-Json nameList(const Subject& subject) {
+/** The names of the first `count` keypoints: the body's, then the hands'. */
+Json nameList(const Subject& subject, size_t count) {
     Json names = Json::array();
-    for (const BodyKeypoint& k : subject.keypoints) names.push_back(k.name);
+    for (const auto* keypoints : {&subject.keypoints, &subject.handKeypoints})
+        for (const BodyKeypoint& k : *keypoints)
+            if (names.size() < count) names.push_back(k.name);
     return names;
 }
 
@@ -58,7 +61,7 @@ std::string scanJson(const Subject& subject, const std::vector<PlannedFrame>& fr
     j["camera_model"] = "pinhole";
     j["distortion"] = {0.0, 0.0};
     j["labels"] = {{"background", 0}, {"body", 1}, {"top", 2}, {"bottom", 3}, {"hair", 4}, {"shoes", 5}};
-    j["keypoint_names"] = nameList(subject);
+    j["keypoint_names"] = nameList(subject, subject.keypoints.size());
     Json names = Json::array(), parents = Json::array(), positions = Json::array();
     for (const JointData& joint : subject.joints) {
         names.push_back(joint.name);
@@ -105,8 +108,7 @@ std::string scanJson(const Subject& subject, const std::vector<PlannedFrame>& fr
     return j.dump(1) + "\n";
 }
 
-std::string truthJson(const Subject& subject, const std::vector<PlannedFrame>& frames,
-                      const std::vector<std::vector<Vec3d>>& keypointsWorld) {
+std::string truthJson(const Subject& subject, const std::vector<PlannedFrame>& frames, const std::vector<TruePoints>& truePoints) {
     Json j;
     j["format"] = "avatar-scan-truth";
     j["version"] = 1;
@@ -117,13 +119,15 @@ std::string truthJson(const Subject& subject, const std::vector<PlannedFrame>& f
     Json list = Json::array();
     for (size_t i = 0; i < frames.size(); ++i) {
         const PlannedFrame& f = frames[i];
-        Json rotations = Json::array(), points = Json::array();
+        Json rotations = Json::array(), points = Json::array(), hands = Json::array();
         for (const Vec3d& r : f.pose.rotations) rotations.push_back(triple(fileFromWorld(r), 1e9));
-        for (const Vec3d& p : keypointsWorld[i]) points.push_back(triple(fileFromWorld(p), 1e7));
+        for (const Vec3d& p : truePoints[i].body) points.push_back(triple(fileFromWorld(p), 1e7));
         Json entry{{"name", f.name},
                    {"rotations", rotations},
                    {"translation", triple(fileFromWorld(f.pose.translation), 1e9)},
                    {"keypoints_world", points}};
+        for (const Vec3d& p : truePoints[i].hands) hands.push_back(triple(fileFromWorld(p), 1e7));
+        if (!hands.empty()) entry["hand_keypoints_world"] = hands;
         entry["posed"] = f.keepPosed ? Json("posed/" + f.name + ".bin") : Json(nullptr);
         list.push_back(std::move(entry));
     }
@@ -141,8 +145,13 @@ std::string keypointsJson(const Subject& subject, const PlannedFrame& frame, con
         confidence.push_back(rounded(k.confidence, 1e3));
         sigma.push_back(rounded(k.sigmaPx, 1e3));
     }
-    const Json j{{"image", frame.name},      {"names", nameList(subject)}, {"xy", xy}, {"detections", noisy}, {"visibility", visibility},
-                 {"confidence", confidence}, {"noise_sigma_px", sigma}};
+    const Json j{{"image", frame.name},
+                 {"names", nameList(subject, keypoints.size())},
+                 {"xy", xy},
+                 {"detections", noisy},
+                 {"visibility", visibility},
+                 {"confidence", confidence},
+                 {"noise_sigma_px", sigma}};
     return j.dump() + "\n";
 }
 

@@ -24,8 +24,11 @@ struct SampleKeypoint {
 };
 
 std::string scanJson(const Subject& subject, const std::vector<PlannedFrame>& frames, const SampleScanOptions& options);
-std::string truthJson(const Subject& subject, const std::vector<PlannedFrame>& frames,
-                      const std::vector<std::vector<Vec3d>>& keypointsWorld);
+/** One frame's keypoints, world, metres. `hands` is empty in a scan without moved fingers. */
+struct TruePoints {
+    std::vector<Vec3d> body, hands;
+};
+std::string truthJson(const Subject& subject, const std::vector<PlannedFrame>& frames, const std::vector<TruePoints>& points);
 std::string keypointsJson(const Subject& subject, const PlannedFrame& frame, const std::vector<SampleKeypoint>& keypoints);
 std::vector<uint8_t> templatePly(const Subject& subject);
 std::vector<uint8_t> weightsBin(const Subject& subject);

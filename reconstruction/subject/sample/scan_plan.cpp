@@ -62,7 +62,7 @@ std::vector<PlannedFrame> planScan(const Subject& subject, const SampleScanOptio
         f.split = i % 10 == 5 ? Split::Test : Split::Train;
         f.camera = cameraAt(o, eye, middle + Vec3d(random.uniform(-0.03, 0.03), random.uniform(-0.03, 0.03), random.uniform(-0.03, 0.03)),
                             random.uniform(-0.02, 0.02));
-        f.pose = staticPose(o.seed, i);
+        f.pose = staticPose(o.seed, i, o.fingers);
         frames.push_back(std::move(f));
     }
 
@@ -93,11 +93,13 @@ std::vector<PlannedFrame> planScan(const Subject& subject, const SampleScanOptio
         f.kind = FrameKind::StaticCloseup;
         f.closeupOf = v.of;
         f.camera = cameraAt(o, eye, v.target, random.uniform(-0.03, 0.03));
-        f.pose = staticPose(o.seed, 1000 + i);
+        f.pose = staticPose(o.seed, 1000 + i, o.fingers);
+        const bool hand = f.closeupOf == "hand_l" || f.closeupOf == "hand_r";
+        if (o.fingers && hand && i == last && last > first) f.split = Split::Test;
         frames.push_back(std::move(f));
     }
 
-    const SampleMotion motion = SampleMotion::dynamicSequence(o.seed, o.dynamicS);
+    const SampleMotion motion = SampleMotion::dynamicSequence(o.seed, o.dynamicS, o.fingers);
     SwingSimulation swing(subject, motion);
     for (uint32_t i = 0; i < o.dynamicFrames; ++i) {
         PlannedFrame f;

@@ -9,6 +9,7 @@
 #include <span>
 
 #include "reconstruction/base/image_codec.h"
+#include "reconstruction/input/capture/hand_keypoints.h"
 #include "reconstruction/subject/sample/random.h"
 #include "reconstruction/subject/sample/raycast.h"
 #include "reconstruction/subject/sample/scan_files.h"
@@ -19,7 +20,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int kFineScale = 4;  // enlarged pictures score avatars that are drawn larger than they were trained
+constexpr uint64_t kBodyNoise = 50000, kHandNoise = 60000;  // streams of random numbers, one for each frame
+constexpr int kFineScale = 4;                               // enlarged pictures score avatars that are drawn larger than they were trained
 constexpr const char* kFineFolder = "hires/x4";
 constexpr uint32_t kMaxSidePx = 4096;  // an enlarged picture then has at most 268 million pixels
 
@@ -52,14 +54,14 @@ double limbThickness(const std::string& name) {
     if (base == "nose" || base == "eye" || base == "ear" || base == "head") return 0.025;
     if (base == "pelvis" || base == "hip") return 0.15;
     if (base == "neck" || base == "shoulder") return 0.10;
+    if (handKeypointNamed(name) >= 0) return 0.02;
     if (base == "knee" || base == "ankle" || base == "elbow") return 0.08;
     return 0.05;
 }
 
-std::vector<SampleKeypoint> observe(const Subject& subject, const PersonTracer& tracer, const Camerad& camera,
-                                    const std::vector<Vec3d>& points, uint64_t seed, size_t frame) {
+std::vector<SampleKeypoint> observe(std::span<const BodyKeypoint> keypoints, const PersonTracer& tracer, const Camerad& camera,
+                                    const std::vector<Vec3d>& points, Random random) {
     std::vector<SampleKeypoint> out;
-    Random random(seed, 50000 + frame);
     // Noise of a good detector: 1.5 px in a picture 378 px wide. Hidden points get 2.5 times as much.
     const double unit = 1.5 * double(camera.widthPx) / 378;
     for (size_t k = 0; k < points.size(); ++k) {
@@ -73,7 +75,7 @@ std::vector<SampleKeypoint> observe(const Subject& subject, const PersonTracer& 
             if (inside) {
                 const double hit = tracer.firstHit(camera.eye(), points[k]) * glm::length(points[k] - camera.eye());
                 const double depth = glm::length(points[k] - camera.eye());
-                truth.visibility = hit > depth - limbThickness(subject.keypoints[k].name) ? 2 : 1;
+                truth.visibility = hit > depth - limbThickness(keypoints[k].name) ? 2 : 1;
             }
             truth.sigmaPx = truth.visibility == 2 ? unit : 2.5 * unit;
             truth.noisyPx = truth.px + Vec2d(n0, n1) * truth.sigmaPx;
@@ -87,9 +89,10 @@ std::vector<SampleKeypoint> observe(const Subject& subject, const PersonTracer& 
 }
 
 Status writeFrame(const fs::path& folder, const Subject& subject, const PlannedFrame& frame, size_t index, const SampleScanOptions& o,
-                  PersonTracer& tracer, std::vector<Vec3d>& keypoints) {
+                  PersonTracer& tracer, TruePoints& points) {
     const std::vector<Vec3d> vertices = poseSubject(subject, frame.pose, frame.kind == FrameKind::Dynamic ? &frame.lag : nullptr);
-    keypoints = keypointsWorld(subject, frame.pose, vertices);
+    points.body = keypointsWorld(subject, subject.keypoints, frame.pose, vertices);
+    if (o.fingers) points.hands = keypointsWorld(subject, subject.handKeypoints, frame.pose, vertices);
     tracer.setVertices(vertices);
     const RaycastOptions ray = sampleRays(o, index);
     const RaycastFrame picture = tracer.render(frame.camera, ray);
@@ -103,7 +106,10 @@ Status writeFrame(const fs::path& folder, const Subject& subject, const PlannedF
             writeColours(folder / kFineFolder / (frame.name + ".jpg"), fine, camera.widthPx, camera.heightPx, o.jpegQuality));
         DPL_RETURN_IF_ERROR(writeGrey(folder / kFineFolder / (frame.name + ".mask.png"), fine.mask, camera.widthPx, camera.heightPx));
     }
-    const auto seen = observe(subject, tracer, frame.camera, keypoints, o.seed, index);
+    std::vector<SampleKeypoint> seen = observe(subject.keypoints, tracer, frame.camera, points.body, Random(o.seed, kBodyNoise + index));
+    const std::vector<SampleKeypoint> hands =
+        observe(subject.handKeypoints, tracer, frame.camera, points.hands, Random(o.seed, kHandNoise + index));
+    seen.insert(seen.end(), hands.begin(), hands.end());
     DPL_RETURN_IF_ERROR(writeText(folder / "keypoints" / (frame.name + ".json"), keypointsJson(subject, frame, seen)));
     if (frame.keepPosed) DPL_RETURN_IF_ERROR(writeFile(folder / "posed" / (frame.name + ".bin"), posedBin(vertices)));
     return {};
@@ -119,7 +125,7 @@ Status writeAll(const fs::path& folder, const SampleScanOptions& o, Jobs& jobs) 
         if (error) return fail(Code::Io, "cannot create {}: {}", (folder / name).string(), error.message());
     }
     std::vector<std::unique_ptr<PersonTracer>> tracers(jobs.threadCount());
-    std::vector<std::vector<Vec3d>> keypoints(frames.size());
+    std::vector<TruePoints> points(frames.size());
     std::vector<Status> results(frames.size());
     std::atomic<bool> stopped{false};
     std::atomic<size_t> done{0};
@@ -127,7 +133,7 @@ Status writeAll(const fs::path& folder, const SampleScanOptions& o, Jobs& jobs) 
     jobs.forBlocks(frames.size(), [&](size_t f, uint32_t worker) {
         if (stopped) return;
         if (!tracers[worker]) tracers[worker] = std::make_unique<PersonTracer>(subject);
-        results[f] = writeFrame(folder, subject, frames[f], f, o, *tracers[worker], keypoints[f]);
+        results[f] = writeFrame(folder, subject, frames[f], f, o, *tracers[worker], points[f]);
         const size_t count = ++done;
         if (worker == 0) goesOn = taskAt(double(count) / double(frames.size()), frames[f].name);
         if (!results[f] || (worker == 0 && !goesOn)) stopped = true;
@@ -137,7 +143,7 @@ Status writeAll(const fs::path& folder, const SampleScanOptions& o, Jobs& jobs) 
     DPL_RETURN_IF_ERROR(goesOn);
     DPL_RETURN_IF_ERROR(writeFile(folder / "geometry" / "template.ply", templatePly(subject)));
     DPL_RETURN_IF_ERROR(writeFile(folder / "geometry" / "weights.bin", weightsBin(subject)));
-    DPL_RETURN_IF_ERROR(writeText(folder / "truth.json", truthJson(subject, frames, keypoints)));
+    DPL_RETURN_IF_ERROR(writeText(folder / "truth.json", truthJson(subject, frames, points)));
     return writeText(folder / "scan.json", scanJson(subject, frames, o));
 }
 

@@ -13,7 +13,8 @@ namespace dpl {
 
 struct SampleScanOptions {
     uint64_t seed = 1;
-    bool skirt = false;  // a wide skirt to the knee in place of shorts
+    bool skirt = false;    // a wide skirt to the knee in place of shorts
+    bool fingers = false;  // hands that move (hand_motion.h), with keypoints; of each hand one close-up is held out
     uint32_t widthPx = 378, heightPx = 504;
     uint32_t fullFrames = 60, closeupFrames = 24, dynamicFrames = 90;
     double dynamicS = 18.75;  // duration of the motion

@@ -43,7 +43,7 @@ constexpr JointRow kRows[kBuiltinJointCount] = {
 };
 
 // Joints 1 to 3 and tip in the hand frame (along, thumbward, dorsal), metres. A relaxed hand with fingers slightly spread and bent.
-constexpr float kFingerPoints[kFingerCount][4][3] = {
+constexpr float kFingerPlaces[kFingerCount][4][3] = {
     {{0.092f, 0.031f, 0.003f}, {0.133f, 0.039f, -0.001f}, {0.157f, 0.0435f, -0.006f}, {0.177f, 0.047f, -0.012f}},         // index
     {{0.096f, 0.008f, 0.005f}, {0.142f, 0.0095f, 0.001f}, {0.170f, 0.0105f, -0.005f}, {0.192f, 0.011f, -0.012f}},         // middle
     {{0.081f, -0.035f, -0.002f}, {0.112f, -0.046f, -0.007f}, {0.130f, -0.0525f, -0.012f}, {0.147f, -0.0585f, -0.018f}},   // pinky
@@ -90,7 +90,7 @@ HandFrame leftHandFrame() {
 std::array<Vec3f, 4> leftFingerChain(Finger finger) {
     const HandFrame hand = leftHandFrame();
     std::array<Vec3f, 4> chain;
-    for (int i = 0; i < 4; ++i) chain[i] = hand.at(kFingerPoints[finger][i][0], kFingerPoints[finger][i][1], kFingerPoints[finger][i][2]);
+    for (int i = 0; i < 4; ++i) chain[i] = hand.at(kFingerPlaces[finger][i][0], kFingerPlaces[finger][i][1], kFingerPlaces[finger][i][2]);
     return chain;
 }
 

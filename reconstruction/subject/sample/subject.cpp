@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "reconstruction/input/capture/hand_keypoints.h"
 #include "reconstruction/subject/sample/builtin_body.h"
 #include "reconstruction/subject/sample/builtin_parts.h"
 #include "reconstruction/subject/sample/garments.h"
@@ -237,7 +238,7 @@ Subject makeSubject(uint64_t seed, Jobs& jobs, Bottom bottom) {
     for (size_t v = 0; v < displacement.size(); ++v) subject.mesh.restPositions[v] += displacement[v];
     for (uint32_t v = 0; v < displacement.size(); ++v) subject.anchor.push_back(v);
     subject.parts = {{"body", kLabelBody, false}};
-    subject.keypoints = body.keypoints;
+    for (const BodyKeypoint& k : body.keypoints) (handKeypointNamed(k.name) < 0 ? subject.keypoints : subject.handKeypoints).push_back(k);
 
     Fitting fit{body, displacement, vertexNormals(subject.mesh.restPositions, body.mesh.triangles), {}};
     fit.usable.resize(displacement.size());

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <array>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -51,7 +52,8 @@ struct Subject {
     std::vector<ClothVertex> cloth;   // per vertex
     std::vector<uint32_t> anchor;     // per vertex: nearest body vertex; of body vertices themselves
     std::vector<SwingDriver> drivers;
-    std::vector<BodyKeypoint> keypoints;  // 24
+    std::vector<BodyKeypoint> keypoints;      // 24
+    std::vector<BodyKeypoint> handKeypoints;  // 40, in the order of handKeypointNames()
     std::vector<std::pair<std::string, float>> morphValues;
     Look look;
     Bottom bottom = Bottom::Shorts;
@@ -65,8 +67,9 @@ Subject makeSubject(uint64_t seed, Jobs& jobs, Bottom bottom = Bottom::Shorts);
  *  pushed out of the legs that it hangs over, wherever these have moved to. */
 std::vector<Vec3d> poseSubject(const Subject& subject, const TruthPose& pose, const std::vector<Vec3d>* lag);
 
-/** World positions of the 24 keypoints for posed vertices. */
-std::vector<Vec3d> keypointsWorld(const Subject& subject, const TruthPose& pose, const std::vector<Vec3d>& vertices);
+/** World positions of some of the subject's keypoints for posed vertices. */
+std::vector<Vec3d> keypointsWorld(const Subject& subject, std::span<const BodyKeypoint> keypoints, const TruthPose& pose,
+                                  const std::vector<Vec3d>& vertices);
 
 /** A damped spring per driver: x'' = −ω²x − 2ζωx' − a(t), where a is the acceleration of the driver's skinned path. Integrated from rest
  *  with a fixed step of 1/240 s, so the lag depends on the motion so far and not on when it is asked for. Subject and motion must outlive

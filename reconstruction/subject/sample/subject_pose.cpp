@@ -102,10 +102,11 @@ std::vector<Vec3d> poseSubject(const Subject& subject, const TruthPose& pose, co
     return at;
 }
 
-std::vector<Vec3d> keypointsWorld(const Subject& subject, const TruthPose& pose, const std::vector<Vec3d>& vertices) {
+std::vector<Vec3d> keypointsWorld(const Subject& subject, std::span<const BodyKeypoint> keypoints, const TruthPose& pose,
+                                  const std::vector<Vec3d>& vertices) {
     const auto g = truthTransforms(subject.joints, pose);
     std::vector<Vec3d> out;
-    for (const BodyKeypoint& k : subject.keypoints) {
+    for (const BodyKeypoint& k : keypoints) {
         Vec3d sum(0);
         for (const auto& [v, w] : k.vertices) sum += double(w) * vertices[v];
         for (const auto& [j, w] : k.joints) sum += double(w) * transformed(g[j], Vec3d(subject.joints[j].restPosition));

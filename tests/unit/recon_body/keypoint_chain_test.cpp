@@ -39,6 +39,37 @@ Case randomCase(const KeypointChain& chain, uint32_t seed) {
     return c;
 }
 
+TEST(KeypointChain, jointsThatAreNotPosedKeepWhatTheyAreHeldAt) {
+    const BodyModel body = smallBody();
+    const uint32_t elbow = uint32_t(findHumanoid(body, "leftLowerArm"));
+    std::vector<uint32_t> others = posedJoints(body);
+    std::erase(others, elbow);
+    const KeypointChain all(body, names(), posedJoints(body)), chain(body, names(), others);
+    const Case c = randomCase(all, 3);
+    std::vector<Mat3d> held(body.joints.size(), Mat3d(1));
+    std::vector<double> pose;
+    for (size_t s = 0; s < all.posedCount(); ++s) {
+        const double* w = &c.pose[3 * s];
+        if (all.posedJoints()[s] == elbow)
+            held[elbow] = rotationOf({w[0], w[1], w[2]});
+        else
+            pose.insert(pose.end(), w, w + 3);
+    }
+    KeypointChain::Output should, is, atRest;
+    all.evaluate(c.reference, c.root.data(), c.pose.data(), c.shape.data(), true, should);
+    chain.evaluate(c.reference, c.root.data(), pose.data(), c.shape.data(), true, is, held);
+    chain.evaluate(c.reference, c.root.data(), pose.data(), c.shape.data(), true, atRest);
+    double moved = 0;
+    for (size_t k = 0; k < should.points.size(); ++k) {
+        EXPECT_LT(glm::length(should.points[k] - is.points[k]), 1e-12);
+        moved = std::max(moved, glm::length(atRest.points[k] - is.points[k]));
+        for (size_t r = 0; r < 3; ++r)  // the root's columns come first in both
+            for (size_t i = 0; i < kRootSize; ++i)
+                EXPECT_NEAR(should.jacobian[(3 * k + r) * all.columns() + i], is.jacobian[(3 * k + r) * chain.columns() + i], 1e-12);
+    }
+    EXPECT_GT(moved, 0.01);
+}
+
 TEST(KeypointChain, agreesWithSkinningTheShapedBody) {
     const BodyModel body = smallBody();
     const KeypointChain chain(body, names(), posedJoints(body));

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include "reconstruction/input/capture/hand_keypoints.h"
 #include "reconstruction/subject/body/body_io.h"
 #include "reconstruction/subject/body/body_tools.h"
 #include "tests/unit/shared_data.h"
@@ -65,6 +66,13 @@ TEST(MakeHuman, has24KeypointsAndTheHumanoidBones) {
          {"hips", "spine", "chest", "upperChest", "neck", "head", "leftShoulder", "leftUpperArm", "leftLowerArm", "leftHand",
           "rightUpperLeg", "rightLowerLeg", "rightFoot", "rightToes", "leftThumbProximal", "leftIndexProximal", "rightLittleDistal"})
         EXPECT_GE(findHumanoid(body, bone), 0) << bone;
+    for (const std::string_view name : handKeypointNames()) ASSERT_NE(keypoint(body, name), nullptr) << name;
+    for (const char* finger : {"thumb", "index", "middle", "ring", "pinky"}) {
+        const Vec3d end = place(body, *keypoint(body, std::string(finger) + "3_l")),
+                    tip = place(body, *keypoint(body, std::string(finger) + "4_l"));
+        EXPECT_GT(glm::length(tip - end), 0.012f) << finger;  // the last bones of adults are 16 to 27 mm long, with their tips
+        EXPECT_LT(glm::length(tip - end), 0.04f) << finger;
+    }
     EXPECT_LT(std::abs(place(body, *keypoint(body, "eye_l")).x - 0.03f), 0.01f);  // half the distance between adult pupils is 31 mm
 }
 

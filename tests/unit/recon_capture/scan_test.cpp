@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "reconstruction/input/capture/hand_keypoints.h"
 #include "tests/unit/recon_capture/scan_builder.h"
 #include "tests/unit/shared_data.h"
 
@@ -53,6 +54,36 @@ TEST(ScanFolder, keypointsFollowTheScansNamesAndNeverTheTrueOnes) {
     auto truthOnly = readKeypoints(*scan, scan->frames[0]);
     ASSERT_FALSE(truthOnly);
     EXPECT_TRUE(mentions(truthOnly.error().message, {"full_100.json", "detections"}));
+}
+
+TEST(ScanFolder, pointsOfHandsAreReadByNameAndKeptApart) {
+    TemporaryFolder folder;
+    ScanBuilder builder(folder.path, 2);
+    auto scan = readScan(builder.write());
+    ASSERT_TRUE(scan) << scan.error().message;
+    ASSERT_EQ(handKeypointNames().size(), 2 * kHandPoints);
+    EXPECT_EQ(handKeypointNames()[kHandPoints], "thumb1_r");
+    auto none = readHandKeypoints(*scan, scan->frames[0]);
+    ASSERT_TRUE(none) << none.error().message;
+    EXPECT_TRUE(none->empty());
+    const char* const text = R"({"names":["index4_l","nose","pinky2_r"],"detections":[[1,2],[3,4],[5,6]],"confidence":[0.5,0.9,0.7]})";
+    writeText(scan->frames[0].keypointsPath, text);
+    const auto body = readKeypoints(*scan, scan->frames[0]), hands = readHandKeypoints(*scan, scan->frames[0]);
+    ASSERT_TRUE(body && hands);
+    EXPECT_EQ((*body)[0].px, Vec2d(3, 4));
+    ASSERT_EQ(hands->size(), 2 * kHandPoints);
+    EXPECT_EQ((*hands)[size_t(handKeypointNamed("index4_l"))].px, Vec2d(1, 2));
+    EXPECT_DOUBLE_EQ((*hands)[size_t(handKeypointNamed("pinky2_r"))].confidence, 0.7);
+    EXPECT_EQ((*hands)[0].confidence, 0);
+    // A scan that lists points of hands has the same keypoints of the body as one that does not.
+    builder.manifest["keypoint_names"].push_back("index4_l");
+    builder.write();
+    writeText(scan->frames[0].keypointsPath, text);
+    auto listed = readScan(folder.path);
+    ASSERT_TRUE(listed) << listed.error().message;
+    EXPECT_EQ(listed->keypointNames, scan->keypointNames);
+    writeText(scan->frames[0].keypointsPath, R"({"names":["index4_l"],"detections":[[1]]})");
+    EXPECT_EQ(readHandKeypoints(*scan, scan->frames[0]).error().code, Code::CorruptData);
 }
 
 TEST(ScanFolder, namesOfWhatNoFrameBringsAreDropped) {

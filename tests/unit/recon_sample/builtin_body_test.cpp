@@ -8,6 +8,7 @@
 #include <map>
 #include <set>
 
+#include "reconstruction/input/capture/hand_keypoints.h"
 #include "reconstruction/subject/sample/skeleton.h"
 #include "reconstruction/subject/sample/skinning.h"
 
@@ -150,8 +151,9 @@ TEST(BuiltinBody, morphsMoveSkinAndJointsTogether) {
     EXPECT_LT(glm::length(arms[kLeftShoulder]), 1e-6f);
 }
 
-TEST(BuiltinBody, has24KeypointsWithWeightsThatSumToOne) {
-    ASSERT_EQ(body().keypoints.size(), 24u);
+TEST(BuiltinBody, has24KeypointsAnd40OfTheHandsWithWeightsThatSumToOne) {
+    ASSERT_EQ(body().keypoints.size(), 64u);
+    for (size_t k = 0; k < handKeypointNames().size(); ++k) EXPECT_EQ(body().keypoints[24 + k].name, handKeypointNames()[k]);
     for (const BodyKeypoint& k : body().keypoints) {
         float sum = 0;
         for (const auto& [index, weight] : k.vertices) sum += weight;

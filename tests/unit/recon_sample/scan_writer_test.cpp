@@ -13,7 +13,9 @@
 #include <set>
 
 #include "reconstruction/input/capture/scan.h"
+#include "reconstruction/subject/sample/motion.h"
 #include "reconstruction/subject/sample/sample_frames.h"
+#include "reconstruction/subject/sample/skeleton.h"
 #include "tests/unit/heard_task.h"
 
 namespace dpl {
@@ -243,6 +245,79 @@ TEST(SampleFrames, everyTriangleHasTheLabelOfItsLayer) {
     std::set<uint8_t> seen(labels.begin(), labels.end());
     EXPECT_FALSE(seen.contains(0)) << "a triangle of no layer";
     EXPECT_GE(seen.size(), 4u);
+TEST(SampleScan, handsMoveOnlyWhereAskedAndChangeNothingElse) {
+    // As before there were hands that move: by hand from `doppel sample --small --seed 1`.
+    const TruthPose raised = SampleMotion::dynamicSequence(1, 18.75).pose(18.75 * 12 / 31);
+    EXPECT_LT(glm::length(raised.rotations[kLeftIndex1] - Vec3d(0.058593275, 0.00496045, -0.357427862)), 1e-8);
+    EXPECT_LT(glm::length(raised.rotations[kLeftElbow] - Vec3d(0, -0.351640297, 0)), 1e-8);
+
+    Jobs jobs(2);
+    SampleScanOptions options = tiny();
+    options.fingers = true;
+    const fs::path moved = scratch() / "hands";
+    const Status made = makeSampleScan(moved, options, jobs);
+    ASSERT_TRUE(made) << made.error().message;
+    const Json plain = jsonOf(scanFolder() / "scan.json"), handed = jsonOf(moved / "scan.json");
+    EXPECT_EQ(plain["keypoint_names"], handed["keypoint_names"]);
+    const Json plainTruth = jsonOf(scanFolder() / "truth.json"), handedTruth = jsonOf(moved / "truth.json");
+    std::map<std::string, size_t> heldOut;
+    for (size_t f = 0; f < plain["frames"].size(); ++f) {
+        const std::string name = plain["frames"][f]["name"];
+        EXPECT_EQ(plain["frames"][f]["camera"], handed["frames"][f]["camera"]);
+        if (handed["frames"][f].contains("closeup_of") && handed["frames"][f]["split"] == "test")
+            ++heldOut[handed["frames"][f]["closeup_of"]];
+        const Json a = jsonOf(scanFolder() / "keypoints" / (name + ".json")), b = jsonOf(moved / "keypoints" / (name + ".json"));
+        ASSERT_EQ(a["names"].size(), 24u);
+        ASSERT_EQ(b["names"].size(), 64u);
+        EXPECT_EQ(b["names"][24], "thumb1_l");
+        EXPECT_EQ(b["names"][63], "pinky4_r");
+        const Json &before = plainTruth["frames"][f], &after = handedTruth["frames"][f];
+        EXPECT_FALSE(before.contains("hand_keypoints_world"));
+        ASSERT_EQ(after["hand_keypoints_world"].size(), 40u);
+        for (size_t k = 0; k < 24; ++k) {
+            EXPECT_EQ(a["xy"][k], b["xy"][k]);
+            if (a["visibility"][k] == b["visibility"][k]) {  // moved fingers hide other points
+                EXPECT_EQ(a["detections"][k], b["detections"][k]);
+            }
+            EXPECT_EQ(before["keypoints_world"][k], after["keypoints_world"][k]);
+        }
+        for (size_t j = 0; j < kLeftIndex1; ++j) EXPECT_EQ(before["rotations"][j], after["rotations"][j]);
+        for (size_t j = kLeftIndex1; plain["frames"][f]["kind"] != "dynamic" && j < kBuiltinJointCount; ++j)
+            EXPECT_EQ(before["rotations"][j], Json({0.0, 0.0, 0.0}));
+    }
+    EXPECT_TRUE(heldOut.empty()) << "one close-up of a hand is too few to hold it out";
+}
+
+TEST(SampleScan, gesturesReachFistAndSpreadAndStillHandsStayClose) {
+    const auto curl = [](const HandPose& hand) {
+        double sum = 0;
+        for (int f = 0; f < kThumb; ++f) sum += hand[f][kBase] + hand[f][kMiddleJoint] + hand[f][kEndJoint];
+        return sum / (3 * kThumb);
+    };
+    double least = 1e9, most = -1e9;
+    std::set<std::string> poses;
+    for (uint64_t seed = 1; seed <= 6; ++seed) {
+        const HandMotion motion(seed, 18.75);
+        for (const bool left : {true, false}) {
+            const HandPose hand = seededHand(seed, left);
+            EXPECT_EQ(motion.at(left, 0), hand);
+            for (int f = 0; f < kThumb; ++f)
+                for (const HandTurn t : {kBase, kMiddleJoint, kEndJoint}) {
+                    EXPECT_GE(hand[f][t], 0);
+                    EXPECT_LE(hand[f][t], glm::radians(60.0) + 1e-9);
+                }
+            EXPECT_LE(hand[kIndex][kSpread] - hand[kPinky][kSpread], glm::radians(20.0) + 1e-9);
+            poses.insert(std::to_string(curl(hand)));
+            for (uint32_t i = 0; i < 5; ++i)
+                for (int f = 0; f < kFingerCount; ++f)
+                    for (int t = 0; t < kHandTurnCount; ++t) EXPECT_NEAR(stillHand(seed, left, i)[f][t], hand[f][t], glm::radians(2.6));
+            for (double t = 0; t < 18.75; t += 0.05)
+                least = std::min(least, curl(motion.at(left, t))), most = std::max(most, curl(motion.at(left, t)));
+        }
+    }
+    EXPECT_EQ(poses.size(), 12u) << "each hand of each seed has a pose of its own";
+    EXPECT_GT(most, glm::radians(65.0));
+    EXPECT_LT(least, 0);
 }
 
 TEST(SampleScan, refusesAFolderInUseAndLeavesNothingWhenStopped) {
