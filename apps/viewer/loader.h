@@ -90,6 +90,14 @@ public:
     /** Loads the built-in sample avatar. The program `doppel` makes it the first time, which takes seconds. */
     void loadSample();
 
+    /** The context could not be made, because the device is lost. */
+    bool lost() const { return lost_; }
+    /** Waits until the thread is not at making the context, which uses the shell. Call before Shell::rebuild(). */
+    void awaitContext();
+    /** The shell has rebuilt: moves the context with its avatars to its device, and makes a composer. What could not be loaded on the lost
+     *  device is loaded again. */
+    Status moveContext();
+
     /** Set once the context is ready. */
     std::optional<DoppelOnShell> doppel() const;
     /** What was finished since the last call. */
@@ -119,12 +127,15 @@ private:
     Result<std::filesystem::path> sampleNow();
     Result<doppel::Avatar> loadAvatar(std::vector<uint8_t> bytes, const std::string& file);
     bool ends(const doppel::Load& load, const std::string& file);
+    bool awaitMove(uint64_t moves);
+    uint64_t moves() const;
 
     platform::Shell& shell_;
     const DplFill fill_;
     const std::string cacheFolder_;
     std::optional<doppel::Context> context_;  // written by the thread before ready_
     DplAvatar lastAvatar_ = nullptr;          // only the thread uses it, as the next
+    bool deviceLost_ = false;                 // the load at hand met a lost device
     std::optional<RunReader> run_;
     std::optional<Comparer> comparer_;
     std::filesystem::path comparedFile_, comparedScan_;  // of comparer_
@@ -136,7 +147,9 @@ private:
     std::optional<DoppelOnShell> ready_;
     std::string atHand_ = "the renderer";
     bool stopWatching_ = false;
-    std::atomic<bool> stop_{false};
+    bool makesContext_ = true;
+    uint64_t moves_ = 0;  // of the context to another device
+    std::atomic<bool> stop_{false}, lost_{false};
     std::thread thread_;  // last: it uses all of the above
 };
 

@@ -6,6 +6,7 @@
 #include <chrono>
 #include <memory>
 
+#include "apps/viewer/device_tries.h"
 #include "apps/viewer/exporter.h"
 #include "apps/viewer/loader.h"
 #include "apps/viewer/opened_files.h"
@@ -24,12 +25,15 @@ public:
     Viewer(const Viewer&) = delete;
     Viewer& operator=(const Viewer&) = delete;
 
-    /** Runs until the window is closed or the script is done. Returns the exit code. An error: the window or the graphics device failed. */
+    /** Runs until the window is closed or the script is done. Returns the exit code. A lost graphics device is opened again. An error: the
+     *  window failed, or the device for good. */
     Result<int> run();
 
 private:
     Viewer(const ViewerOptions& options, Timings& timings, std::unique_ptr<platform::Shell> shell);
     Status frame();
+    Status recover(std::string why);
+    Status reopenDevice();
     void takeFiles();
     void addSubject(LoadedFile loaded);
     void takeInput();
@@ -72,6 +76,7 @@ private:
     float detailSet_ = 0, budgetSet_ = 0;
     Exporter exporter_;
     OverlayMaker overlays_;
+    DeviceTries deviceTries_;
     uint32_t settling_ = 2;  // frames that a script waits after loading, until panels have their sizes
     uint32_t scriptFrame_ = 0;
     bool done_ = false, failed_ = false;
