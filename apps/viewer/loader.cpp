@@ -56,6 +56,10 @@ void Loader::list(std::filesystem::path folder) {
     add({.path = {}, .list = std::move(folder)});
 }
 
+void Loader::findHidden(GateQuestion question) {
+    add({.path = {}, .gate = std::move(question)});
+}
+
 void Loader::loadSettings(std::filesystem::path file) {
     add({.path = {}, .settingsFile = std::move(file)});
 }
@@ -250,6 +254,19 @@ Result<std::filesystem::path> Loader::sampleNow() {
                         stop_);
 }
 
+LoadedFile Loader::hiddenNow(const GateQuestion& question) {
+    LoadedFile out;
+    out.asked = false;
+    out.hidden.emplace().question = question;
+    if (!gate_) gate_.emplace();
+    auto found = gate_->find(question);
+    if (found)
+        out.hidden->splats = std::move(*found);
+    else
+        out.error = found.error().message;
+    return out;
+}
+
 LoadedFile Loader::walkNow(DplAvatar avatar) {
     LoadedFile out;
     out.file = "a walk";
@@ -267,6 +284,7 @@ LoadedFile Loader::walkNow(DplAvatar avatar) {
 
 LoadedFile Loader::loadOne(const Task& task) {
     if (task.walks) return walkNow(task.walks);
+    if (task.gate) return hiddenNow(*task.gate);
     if (task.compare) return compareNow(*task.compare);
     if (!task.list.empty()) return listNow(task);
     if (!task.settingsFile.empty()) return settingsNow(task);

@@ -218,6 +218,10 @@ void Viewer::takeFiles() {
             if (dplGetRendererName(doppel->context, &name) == DPL_OK) state_.rendererName = name;
         }
     for (LoadedFile& file : loader_->take()) {
+        if (file.hidden) {
+            takeHidden(std::move(file));
+            continue;
+        }
         if (opened_.take(state_, file, nowS())) continue;
         opened_.remember(state_, file);
         if (!file.file.empty() && file.asked) --waitingFor_;
@@ -350,11 +354,39 @@ void Viewer::findWeak() {
     ViewedSubject* chosen = state_.chosen();
     state_.weak = {};
     if (!chosen || !chosen->shown || state_.overlay == Overlay::None) return;
+    if (state_.overlay == Overlay::Hidden) return findHidden(*chosen);
     auto shapes = overlays_.shapes(*chosen, state_.overlay, state_.playback, lastS_);
     if (shapes)
         state_.weak = std::move(*shapes);
     else
         report(chosen->file + ": " + shapes.error().message), state_.overlay = Overlay::None;
+}
+
+/** The splats that the gate hides: the loader's last answer, and the next question once it has answered. */
+void Viewer::findHidden(const ViewedSubject& subject) {
+    if (!subject.isAvatar()) {
+        state_.weak.words = "General splats show all their sides.";
+        return;
+    }
+    if (hidden_ && hidden_->question.avatar == subject.avatar.handle()) {
+        const HiddenSplats& splats = hidden_->splats;
+        state_.weak.hidden = splats.places;
+        state_.weak.words = formatText("{} of {} splats are hidden from here.", splats.hidden, splats.splats);
+    }
+    if (gateAsked_ || !loader_) return;
+    auto question = gateQuestion(subject, cameraNow().eye());
+    if (!question) return report(subject.file + ": " + question.error().message);
+    if (hidden_ && hidden_->question == *question) return;
+    gateAsked_ = *question;
+    loader_->findHidden(std::move(*question));
+}
+
+void Viewer::takeHidden(LoadedFile news) {
+    gateAsked_.reset();
+    if (news.error.empty())
+        hidden_ = std::move(news.hidden);
+    else
+        state_.messages.error(news.error), state_.overlay = Overlay::None;
 }
 
 /** Holds the camera where the scan still has details to show. */

@@ -52,6 +52,8 @@ private:
     Status afterDraw(bool drawn, std::vector<uint8_t>& rgb);
     void refreshFigures();
     void findWeak();
+    void findHidden(const ViewedSubject& subject);
+    void takeHidden(LoadedFile news);
     void keepAway();
     void applyLimits();
     void report(const std::string& problem);
@@ -76,6 +78,8 @@ private:
     float detailSet_ = 0, budgetSet_ = 0;
     Exporter exporter_;
     OverlayMaker overlays_;
+    std::optional<GateQuestion> gateAsked_;  // of the loader, which has not answered
+    std::optional<HiddenNews> hidden_;       // its last answer
     DeviceTries deviceTries_;
     uint32_t settling_ = 2;  // frames that a script waits after loading, until panels have their sizes
     uint32_t scriptFrame_ = 0;
