@@ -49,6 +49,12 @@ platform::ShellInfo shellInfo(const ViewerOptions& options, Timings& timings) {
     return info;
 }
 
+/** How far to the right general splats go so that they stand beside the others: files give them places and sizes of their own. */
+float besideM(const std::vector<ViewedSubject>& others, const ViewedSubject& splats) {
+    constexpr double kGapM = 0.3;
+    return others.empty() ? 0 : float(boxOf(others).high.x + kGapM - splats.box().low.x);
+}
+
 Status ofShell(const doppel::Status& status) {
     return status ? Status() : fromSdk(status.error());
 }
@@ -268,6 +274,8 @@ void Viewer::addSubject(LoadedFile loaded) {
     if (!made->axes.stated && state_.axes.empty())
         state_.messages.info(file + ": no up axis stated; if it stands wrong, choose another under Picture", nowS());
     if (state_.subjects.empty() && options_.room == "auto" && state_.settings.room.empty() && !made->isAvatar()) state_.room.reset();
+    made->upright = uprightFromLoaded(state_.axes, loadedFromFile(made->axes));
+    if (!made->isAvatar()) made->movedM.x = besideM(state_.subjects, *made);
     state_.subjects.push_back(std::move(*made));
     state_.selected = state_.subjects.size() - 1;
     state_.wantsFrame = true;
