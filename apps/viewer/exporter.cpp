@@ -185,6 +185,8 @@ Status Exporter::drawCutOut(ViewerState& state, const DplCamera& view, DplContex
     }();
     if (made)
         saved(state, file);
+    else if (made.error().code == Code::Device)
+        cutOut_ = file;  // once the device is opened again
     else
         state.exports.told = made.error().message;
     return made;

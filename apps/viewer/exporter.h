@@ -31,7 +31,7 @@ public:
 
     /** The avatars alone are wanted, as `view` sees them. */
     bool wantsCutOut() const { return !cutOut_.empty(); }
-    /** Draws and saves them; waits for it. The avatars have their poses. */
+    /** Draws and saves them; waits for it. The avatars have their poses. Device: the device is lost; they stay wanted. */
     Status drawCutOut(ViewerState& state, const DplCamera& view, DplContext context);
 
 private:

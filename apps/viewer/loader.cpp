@@ -56,6 +56,10 @@ void Loader::list(std::filesystem::path folder) {
     add({.path = {}, .list = std::move(folder)});
 }
 
+void Loader::findHidden(GateQuestion question) {
+    add({.path = {}, .gate = std::move(question)});
+}
+
 void Loader::loadSettings(std::filesystem::path file) {
     add({.path = {}, .settingsFile = std::move(file)});
 }
@@ -72,6 +76,42 @@ void Loader::stopWatching() {
 std::optional<DoppelOnShell> Loader::doppel() const {
     std::lock_guard lock(mutex_);
     return ready_;
+}
+
+void Loader::awaitContext() {
+    std::unique_lock lock(mutex_);
+    changed_.wait(lock, [&] { return !makesContext_; });
+}
+
+Status Loader::moveContext() {
+    const std::optional<DoppelOnShell> before = doppel();
+    uint32_t composer = 0;
+    if (before) {
+        const DplVulkanDevice device = shell_.deviceForDoppel();
+        if (const DplResult moved = dplRebuildVulkan(before->context, &device); moved != DPL_OK) return fromSdk(doppel::lastError(moved));
+        if (const DplResult made = shell_.makeComposer(before->context, &composer); made != DPL_OK) return fromSdk(doppel::lastError(made));
+    }
+    {
+        std::lock_guard lock(mutex_);
+        if (before) ready_->composer = composer;
+        ++moves_;
+        lost_ = false;
+        makesContext_ = !before;  // the thread tries again now
+    }
+    changed_.notify_all();
+    return {};
+}
+
+/** False: the loader is stopped. */
+bool Loader::awaitMove(uint64_t moves) {
+    std::unique_lock lock(mutex_);
+    changed_.wait(lock, [&] { return stop_ || moves_ > moves; });
+    return !stop_;
+}
+
+uint64_t Loader::moves() const {
+    std::lock_guard lock(mutex_);
+    return moves_;
 }
 
 std::vector<LoadedFile> Loader::take() {
@@ -95,7 +135,11 @@ Status Loader::makeContext() {
     if (const DplResult made = dplCreateVulkanContext(&device, &info, &context); made != DPL_OK) return fromSdk(doppel::lastError(made));
     context_.emplace(context);
     DoppelOnShell ready{context, 0};
-    if (const DplResult made = shell_.makeComposer(context, &ready.composer); made != DPL_OK) return fromSdk(doppel::lastError(made));
+    if (const DplResult made = shell_.makeComposer(context, &ready.composer); made != DPL_OK) {
+        const Error error = fromSdk(doppel::lastError(made));
+        context_.reset();
+        return error;
+    }
     std::lock_guard lock(mutex_);
     ready_ = ready;
     return {};
@@ -114,11 +158,16 @@ bool Loader::ends(const doppel::Load& load, const std::string& file) {
 }
 
 Result<doppel::Avatar> Loader::loadAvatar(std::vector<uint8_t> bytes, const std::string& file) {
+    deviceLost_ = false;
+    const auto failed = [this](const doppel::Error& error) {
+        deviceLost_ = error.code == DPL_ERROR_DEVICE;
+        return fromSdk(error);
+    };
     auto load = context_->startLoad(std::move(bytes));
-    if (!load) return fromSdk(load.error());
+    if (!load) return failed(load.error());
     if (!ends(*load, file)) return fail(Code::Cancelled, "not loaded, because the viewer was closed");
     auto avatar = load->finish();
-    if (!avatar) return fromSdk(avatar.error());
+    if (!avatar) return failed(avatar.error());
     const auto info = avatar->info();
     if (info && info->jointCount > 0) lastAvatar_ = avatar->handle();
     return std::move(*avatar);
@@ -137,9 +186,9 @@ LoadedFile Loader::lookIntoRun(bool asked) {
         out.avatar = std::move(*avatar);
         out.path = out.run->avatar, out.comparable = out.run->finished && hasScanFrames(run_->folder());
         if (comparedFile_ == out.path) comparer_.reset();  // it has drawn the one of before
-    } else if (out.run->finished) {
+    } else if (out.run->finished && !deviceLost_) {
         out.error = out.file + ": " + avatar.error().message;
-    } else {  // the run replaces or removes it just now
+    } else {  // the run replaces or removes it just now, or the device is lost
         run_->forgetAvatar();
     }
     return out;
@@ -205,6 +254,19 @@ Result<std::filesystem::path> Loader::sampleNow() {
                         stop_);
 }
 
+LoadedFile Loader::hiddenNow(const GateQuestion& question) {
+    LoadedFile out;
+    out.asked = false;
+    out.hidden.emplace().question = question;
+    if (!gate_) gate_.emplace();
+    auto found = gate_->find(question);
+    if (found)
+        out.hidden->splats = std::move(*found);
+    else
+        out.error = found.error().message;
+    return out;
+}
+
 LoadedFile Loader::walkNow(DplAvatar avatar) {
     LoadedFile out;
     out.file = "a walk";
@@ -222,6 +284,7 @@ LoadedFile Loader::walkNow(DplAvatar avatar) {
 
 LoadedFile Loader::loadOne(const Task& task) {
     if (task.walks) return walkNow(task.walks);
+    if (task.gate) return hiddenNow(*task.gate);
     if (task.compare) return compareNow(*task.compare);
     if (!task.list.empty()) return listNow(task);
     if (!task.settingsFile.empty()) return settingsNow(task);
@@ -298,7 +361,19 @@ LoadedFile Loader::loadOne(const Task& task) {
 
 void Loader::run() {
     std::string broken;
-    if (const Status made = makeContext(); !made) broken = made.error().message;
+    for (uint64_t before = 0; true;) {
+        const Status made = makeContext();
+        {
+            std::lock_guard lock(mutex_);
+            makesContext_ = false;
+            before = moves_;
+            lost_ = !made && made.error().code == Code::Device;
+        }
+        changed_.notify_all();
+        if (lost_ && awaitMove(before)) continue;
+        if (!made) broken = made.error().message;
+        break;
+    }
     std::unique_lock lock(mutex_);
     if (!broken.empty()) done_.push_back({.error = broken});
     const auto guarded = [](const std::string& file, const std::function<LoadedFile()>& work) {
@@ -325,10 +400,16 @@ void Loader::run() {
             atHand_ = std::filesystem::path(task.path).filename().string();
             const std::string file = task.compare ? task.compare->file.filename().string() : atHand_;
             lock.unlock();
-            if (broken.empty() || !task.list.empty() || !task.settingsFile.empty())
-                loaded = guarded(file, [&] { return loadOne(task); });
-            else
+            if (broken.empty() || !task.list.empty() || !task.settingsFile.empty()) {
+                uint64_t before = 0;
+                do {
+                    before = moves();
+                    deviceLost_ = false;
+                    loaded = guarded(file, [&] { return loadOne(task); });
+                } while (deviceLost_ && awaitMove(before));
+            } else {
                 loaded = {.file = file, .error = file + ": not loaded, because avatars cannot be drawn here: " + broken};
+            }
         }
         lock.lock();
         done_.push_back(std::move(loaded));

@@ -11,6 +11,7 @@
 
 #include "apps/viewer/comparer.h"
 #include "apps/viewer/folder_list.h"
+#include "apps/viewer/hidden_splats.h"
 #include "apps/viewer/new_run.h"
 #include "apps/viewer/run_reader.h"
 #include "apps/viewer/settings.h"
@@ -35,6 +36,12 @@ struct ComparedNews {
     ComparedPictures pictures;
 };
 
+/** What an eye does not see of an avatar. */
+struct HiddenNews {
+    GateQuestion question;
+    HiddenSplats splats;
+};
+
 /** LoadedFile::file where settings could not be written. */
 constexpr const char* kSettings = "settings";
 
@@ -55,7 +62,8 @@ struct LoadedFile {
     std::optional<RunReader::News> run;  // of the run in the folder `file`, where nobody has asked for a file
     std::optional<NewRun> request;       // with which the viewer has begun it; told when it is opened
     bool asked = true;                   // it answers load() or loadSample()
-    std::string error;                   // a sentence, if none of these but `compared`
+    std::optional<HiddenNews> hidden;    // `error` says why there are none
+    std::string error;                   // a sentence, if none of these but `compared` and `hidden`
 };
 
 /** The context and the composer for the shell's window. */
@@ -80,6 +88,8 @@ public:
     void compare(CompareTask task);
     /** Lists a folder. One that cannot be listed is an error, with the folder as `path`. */
     void list(std::filesystem::path folder);
+    /** Finds which splats the gate hides. */
+    void findHidden(GateQuestion question);
     void loadSettings(std::filesystem::path file);
     /** Writes settings. */
     void save(std::filesystem::path file, ViewerSettings settings);
@@ -89,6 +99,14 @@ public:
     void loadWalk(DplAvatar avatar);
     /** Loads the built-in sample avatar. The program `doppel` makes it the first time, which takes seconds. */
     void loadSample();
+
+    /** The context could not be made, because the device is lost. */
+    bool lost() const { return lost_; }
+    /** Waits until the thread is not at making the context, which uses the shell. Call before Shell::rebuild(). */
+    void awaitContext();
+    /** The shell has rebuilt: moves the context with its avatars to its device, and makes a composer. What could not be loaded on the lost
+     *  device is loaded again. */
+    Status moveContext();
 
     /** Set once the context is ready. */
     std::optional<DoppelOnShell> doppel() const;
@@ -105,6 +123,7 @@ private:
         std::optional<CompareTask> compare;
         std::filesystem::path list, settingsFile;
         DplAvatar walks = nullptr;
+        std::optional<GateQuestion> gate;
         std::optional<ViewerSettings> save;
     };
     void run();
@@ -116,16 +135,21 @@ private:
     LoadedFile settingsNow(const Task& task);
     LoadedFile compareNow(const CompareTask& task);
     LoadedFile walkNow(DplAvatar avatar);
+    LoadedFile hiddenNow(const GateQuestion& question);
     Result<std::filesystem::path> sampleNow();
     Result<doppel::Avatar> loadAvatar(std::vector<uint8_t> bytes, const std::string& file);
     bool ends(const doppel::Load& load, const std::string& file);
+    bool awaitMove(uint64_t moves);
+    uint64_t moves() const;
 
     platform::Shell& shell_;
     const DplFill fill_;
     const std::string cacheFolder_;
     std::optional<doppel::Context> context_;  // written by the thread before ready_
     DplAvatar lastAvatar_ = nullptr;          // only the thread uses it, as the next
+    bool deviceLost_ = false;                 // the load at hand met a lost device
     std::optional<RunReader> run_;
+    std::optional<GateFinder> gate_;
     std::optional<Comparer> comparer_;
     std::filesystem::path comparedFile_, comparedScan_;  // of comparer_
 
@@ -136,7 +160,9 @@ private:
     std::optional<DoppelOnShell> ready_;
     std::string atHand_ = "the renderer";
     bool stopWatching_ = false;
-    std::atomic<bool> stop_{false};
+    bool makesContext_ = true;
+    uint64_t moves_ = 0;  // of the context to another device
+    std::atomic<bool> stop_{false}, lost_{false};
     std::thread thread_;  // last: it uses all of the above
 };
 

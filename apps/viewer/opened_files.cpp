@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "apps/viewer/opened_files.h"
 
+#include <cstdio>
 #include <cstdlib>
 
 namespace dpl {
@@ -45,6 +46,12 @@ void OpenedFiles::remember(ViewerState& state, const LoadedFile& news) const {
         state.settings.remember(news.opened.string());
     else
         state.settings.forget(news.opened.string());
+}
+
+void OpenedFiles::keep(const ViewerSettings& settings) {
+    if (file_.empty() || !saved_) return;
+    if (const Status written = writeSettings(file_, settings); !written)
+        std::fprintf(stderr, "doppel-viewer: settings are not kept: %s\n", written.error().message.c_str());
 }
 
 size_t OpenedFiles::fulfil(ViewerState& state, Loader& loader) {

@@ -18,6 +18,8 @@ public:
     void remember(ViewerState& state, const LoadedFile& news) const;
     /** Fulfils wishes for files and folders, and saves settings that have changed. Returns how many files the loader was asked for. */
     size_t fulfil(ViewerState& state, Loader& loader);
+    /** Saves settings that have changed now, without the loader. */
+    void keep(const ViewerSettings& settings);
 
 private:
     std::filesystem::path file_;  // of the settings; empty: they are not kept

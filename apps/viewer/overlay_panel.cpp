@@ -7,8 +7,9 @@ namespace dpl {
 namespace {
 
 constexpr ImU32 kUsual = IM_COL32(80, 200, 120, 230), kRare = IM_COL32(240, 200, 60, 230), kNever = IM_COL32(240, 70, 50, 230),
-                kUnknown = IM_COL32(150, 155, 165, 160), kBounded = IM_COL32(240, 200, 60, 120), kTorn = IM_COL32(240, 50, 40, 190);
-constexpr float kNearM = 0.05f, kJointRadius = 5;
+                kUnknown = IM_COL32(150, 155, 165, 160), kBounded = IM_COL32(240, 200, 60, 120), kTorn = IM_COL32(240, 50, 40, 190),
+                kHidden = IM_COL32(90, 200, 255, 200);
+constexpr float kNearM = 0.05f, kJointRadius = 5, kPointRadius = 1, kSecondColumn = 140;
 
 }  // namespace
 
@@ -18,8 +19,9 @@ void drawOverlayChoice(ViewerState& state) {
          {std::tuple(Overlay::None, "nothing", "The picture alone"),
           {Overlay::Needles, "stretched",
            "Yellow: triangles that the pose stretches or squeezes beyond what is drawn so; red: so much that they fade"},
-          {Overlay::Trust, "pose", "Joints: green as in the film, yellow seldom there, red hardly ever, grey not known"}}) {
-        if (overlay != Overlay::None) ImGui::SameLine();
+          {Overlay::Trust, "pose", "Joints: green as in the film, yellow seldom there, red hardly ever, grey not known"},
+          {Overlay::Hidden, "hidden", "Blue points: splats that are not drawn from here, because they show their other side alone"}}) {
+        if (overlay == Overlay::Needles || overlay == Overlay::Hidden) ImGui::SameLine(kSecondColumn);
         if (ImGui::RadioButton(name, state.overlay == overlay)) state.overlay = overlay;
         if (ImGui::IsItemHovered()) ImGui::SetTooltip("%s", help);
     }
@@ -42,6 +44,9 @@ void drawOverlay(const ViewerState& state, const Camerad& camera, float scale) {
         list.AddTriangleFilled(a, b, c, colour);
         if (triangle.torn) list.AddTriangle(a, b, c, colour);  // a needle has no width
     }
+    for (const Vec3f& place : state.weak.hidden)
+        if (ImVec2 at; seen(Vec3d(place), at))
+            list.AddRectFilled({at.x - kPointRadius, at.y - kPointRadius}, {at.x + kPointRadius, at.y + kPointRadius}, kHidden);
     for (const JointTrust& joint : state.weak.joints) {
         ImVec2 at;
         if (!seen(joint.place, at)) continue;

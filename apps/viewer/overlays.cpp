@@ -96,7 +96,7 @@ Result<OverlayShapes> OverlayMaker::needles(ViewedSubject& subject, const Playba
 }
 
 Result<OverlayShapes> OverlayMaker::shapes(ViewedSubject& subject, Overlay overlay, const Playback& clock, double nowS) {
-    if (overlay == Overlay::None || !subject.isAvatar()) return OverlayShapes();
+    if (overlay == Overlay::None || overlay == Overlay::Hidden || !subject.isAvatar()) return OverlayShapes();
     return overlay == Overlay::Trust ? trust(subject) : needles(subject, clock, nowS);
 }
 

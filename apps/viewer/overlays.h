@@ -10,7 +10,7 @@
 
 namespace dpl {
 
-enum class Overlay : uint8_t { None, Needles, Trust };
+enum class Overlay : uint8_t { None, Needles, Trust, Hidden };  // Hidden: hidden_splats.h
 
 /** How much a triangle is stretched from rest to pose: the singular values of the map between both in their planes. A triangle without
  *  area at rest: 1 and 1. */
@@ -40,7 +40,8 @@ struct JointTrust {
 struct OverlayShapes {
     std::vector<WeakTriangle> triangles;
     std::vector<JointTrust> joints;
-    std::string words;  // what is seen, or why nothing can be
+    std::vector<Vec3f> hidden;  // places of splats, world, metres
+    std::string words;          // what is seen, or why nothing can be
 };
 
 /** The shapes of avatars' poses. Keeps their meshes at rest. */

@@ -46,9 +46,11 @@ void quiet(const char* format, double a = 0, double b = 0) {
 }
 
 void subjectList(ViewerState& state) {
-    if (state.subjects.empty() && state.atHand.empty()) {
+    if (state.subjects.empty()) {  // also while the first is loaded: nothing moves from under the cursor
         ImGui::TextWrapped("Drop an avatar (.glb) or splats (.ply, .spz, .glb) on the window, or a film of a person to make an avatar of.");
+        ImGui::BeginDisabled(!state.atHand.empty());
         if (ImGui::Button("Load the sample", {-1, 0})) state.wantsSample = true;
+        ImGui::EndDisabled();
         if (ImGui::IsItemHovered()) ImGui::SetTooltip("An avatar that comes with Doppel; it is made the first time, in seconds");
         if (!state.settings.recent.empty()) quiet("Opened lately");
         drawRecent(state, kRecentAtStart);
@@ -69,13 +71,13 @@ void subjectList(ViewerState& state) {
     }
     if (const ViewedSubject* chosen = state.chosen())
         quiet(chosen->isAvatar() ? "%.0f splats, %.0f joints" : "%.0f splats", chosen->info.splatCount, double(chosen->joints.size()));
-    if (!state.atHand.empty()) ImGui::TextWrapped("Loading %s ...", state.atHand.c_str());
     const float half = (ImGui::GetContentRegionAvail().x - ImGui::GetStyle().ItemSpacing.x) / 2;
     if (ImGui::Button("Open ...", {half, 0})) state.wantsOpenWindow = true;
     if (ImGui::IsItemHovered()) ImGui::SetTooltip("The key O does it too");
     ImGui::SameLine();
     if (ImGui::Button("Export ...", {half, 0})) openExport(state);
     if (ImGui::IsItemHovered()) ImGui::SetTooltip("Pictures, videos, splats and meshes; the key E does it too");
+    if (!state.atHand.empty()) ImGui::TextWrapped("Loading %s ...", state.atHand.c_str());
 }
 
 void clipControls(ViewerState& state, ViewedSubject& subject) {

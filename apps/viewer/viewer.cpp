@@ -7,6 +7,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <numbers>
+#include <thread>
 
 #include "apps/shared/pictures.h"
 #include "apps/viewer/compared_avatar.h"
@@ -20,8 +21,6 @@
 
 namespace dpl {
 namespace {
-
-constexpr int kF1 = 290, kRight = 262, kLeft = 263, kEscape = 256;  // GLFW's codes
 
 /** Where self-tests of drivers are kept between runs; empty if there is no such folder. */
 std::string cacheFolder() {
@@ -48,6 +47,12 @@ platform::ShellInfo shellInfo(const ViewerOptions& options, Timings& timings) {
     info.scale = options.scale;
     info.onStep = [&timings](const char* step) { timings.mark(step); };
     return info;
+}
+
+/** How far to the right general splats go so that they stand beside the others: files give them places and sizes of their own. */
+float besideM(const std::vector<ViewedSubject>& others, const ViewedSubject& splats) {
+    constexpr double kGapM = 0.3;
+    return others.empty() ? 0 : float(boxOf(others).high.x + kGapM - splats.box().low.x);
 }
 
 Status ofShell(const doppel::Status& status) {
@@ -77,9 +82,42 @@ Viewer::~Viewer() {
 }
 
 Result<int> Viewer::run() {
-    while (!done_ && shell_->beginFrame()) DPL_RETURN_IF_ERROR(frame());
+    while (!done_ && shell_->beginFrame()) {
+        const Status framed = frame();
+        if (framed) continue;
+        if (framed.error().code != Code::Device) return framed.error();
+        DPL_RETURN_IF_ERROR(recover(framed.error().message));
+    }
     for (const std::string& complaint : shell_->complaints()) std::fprintf(stderr, "doppel-viewer: validation: %s\n", complaint.c_str());
     return failed_ || !shell_->complaints().empty() ? 1 : 0;
+}
+
+/** Opens the lost device again. why: what said that it is lost. An error: it cannot be done, and what is to be kept is kept. */
+Status Viewer::recover(std::string why) {
+    constexpr std::chrono::seconds kPause{2};  // a driver that restarts needs a moment
+    while (deviceTries_.take(nowS())) {
+        const Status opened = reopenDevice();
+        if (opened) {
+            const std::string told = "The graphics device was lost and is open again (" + shell_->deviceName() + "); everything goes on.";
+            std::fprintf(stderr, "doppel-viewer: %s\n", told.c_str());
+            state_.messages.info(told, nowS());
+            return {};
+        }
+        why = opened.error().message;
+        std::fprintf(stderr, "doppel-viewer: the graphics device was lost and cannot be opened again yet: %s\n", why.c_str());
+        std::this_thread::sleep_for(kPause);
+    }
+    opened_.keep(state_.settings);
+    return fail(Code::Device, "the graphics device was lost {} times within a minute: {}. Settings are kept, and runs go on; start again",
+                DeviceTries::kMost, why);
+}
+
+Status Viewer::reopenDevice() {
+    if (loader_) loader_->awaitContext();
+    DPL_RETURN_IF_ERROR(ofShell(shell_->rebuild()));
+    if (loader_) DPL_RETURN_IF_ERROR(loader_->moveContext());
+    shell_->forgetLostDevice();
+    return {};
 }
 
 double Viewer::nowS() const {
@@ -94,6 +132,7 @@ void Viewer::report(const std::string& problem) {
 
 Status Viewer::frame() {
     state_.nowS = nowS();
+    if (loader_ && loader_->lost()) return fail(Code::Device, "the graphics device was lost");
     if (loader_) takeFiles();
     takeInput();
     fulfilWishes();
@@ -118,7 +157,10 @@ Status Viewer::frame() {
     what.rgbPanels = !exporter_.wantsPicture();
     if (exporter_.wantsPicture() || (scripted && scriptFrame_ + 1 == options_.frames)) what.rgb = &rgb;
     if (exporter_.wantsCutOut())
-        if (const Status saved = exporter_.drawCutOut(state_, what.view, what.context); !saved) report(saved.error().message);
+        if (const Status saved = exporter_.drawCutOut(state_, what.view, what.context); !saved) {
+            if (saved.error().code == Code::Device) return saved;
+            report(saved.error().message);
+        }
     const uint64_t before = shell_->shown();
     const auto drawn = shell_->draw(what);
     if (!drawn) return fromSdk(drawn.error());
@@ -182,6 +224,10 @@ void Viewer::takeFiles() {
             if (dplGetRendererName(doppel->context, &name) == DPL_OK) state_.rendererName = name;
         }
     for (LoadedFile& file : loader_->take()) {
+        if (file.hidden) {
+            takeHidden(std::move(file));
+            continue;
+        }
         if (opened_.take(state_, file, nowS())) continue;
         opened_.remember(state_, file);
         if (!file.file.empty() && file.asked) --waitingFor_;
@@ -228,76 +274,11 @@ void Viewer::addSubject(LoadedFile loaded) {
     if (!made->axes.stated && state_.axes.empty())
         state_.messages.info(file + ": no up axis stated; if it stands wrong, choose another under Picture", nowS());
     if (state_.subjects.empty() && options_.room == "auto" && state_.settings.room.empty() && !made->isAvatar()) state_.room.reset();
+    made->upright = uprightFromLoaded(state_.axes, loadedFromFile(made->axes));
+    if (!made->isAvatar()) made->movedM.x = besideM(state_.subjects, *made);
     state_.subjects.push_back(std::move(*made));
     state_.selected = state_.subjects.size() - 1;
     state_.wantsFrame = true;
-}
-
-void Viewer::takeInput() {
-    const ImGuiIO& io = ImGui::GetIO();
-    if (options_.isScript()) return;
-    for (const int key : shell_->takeKeys()) takeKey(key);
-    if (io.WantCaptureMouse || io.DisplaySize.y <= 0) return;
-    if (state_.compared) return dragWipe();
-    const auto drags = [&io](int button) {  // ImGui may tell of the last movement and of the release in one frame
-        return (io.MouseDown[button] || io.MouseReleased[button]) && !io.MouseDownOwned[button];
-    };
-    if (drags(0) && !io.KeyShift) state_.camera.orbit(io.MouseDelta.x, io.MouseDelta.y, io.DisplaySize.y);
-    if (drags(1) || drags(2) || (drags(0) && io.KeyShift)) state_.camera.pan(io.MouseDelta.x, io.MouseDelta.y, io.DisplaySize.y);
-    if (io.MouseWheel != 0) {
-        const FreeSpan free = freeNow();
-        state_.camera.zoom(io.MouseWheel, io.MousePos.x - 0.5 * (free.left + free.right), io.MousePos.y - 0.5 * io.DisplaySize.y,
-                           io.DisplaySize.y);
-    }
-    if (io.MouseDoubleClicked[0]) focusOn(io.MousePos.x, io.MousePos.y);
-}
-
-/** Dragging moves the line between photograph and avatar. */
-void Viewer::dragWipe() {
-    const ImGuiIO& io = ImGui::GetIO();
-    const ComparedPlaces places = placesOfComparison(state_, io.DisplaySize.x, io.DisplaySize.y);
-    if (io.MouseDown[0] && !io.MouseDownOwned[0] && places.right > places.left)
-        state_.compared->comparison.wipe = std::clamp((io.MousePos.x - places.left) / (places.right - places.left), 0.0f, 1.0f);
-}
-
-void Viewer::takeKey(int key) {  // GLFW's codes of letters and digits are those of ASCII
-    if (key == ' ') state_.playback.playing = !state_.playback.playing;
-    if (key == 'F') state_.wantsFrame = true;
-    if (key == 'O') state_.wantsOpenWindow = true;
-    if (key == 'H') state_.panels = !state_.panels;
-    if (key == 'E') openExport(state_);
-    if (key == 'P') state_.wantsExport = ExportKind::Picture;
-    if (key == '1') state_.wantsPart = SeenPart::Whole;
-    if (key == '2') state_.wantsPart = SeenPart::Face;
-    if (key == '3') {
-        state_.wantsPart = rightHand_ ? SeenPart::RightHand : SeenPart::LeftHand;
-        rightHand_ = !rightHand_;
-    }
-    if (key == kF1) state_.help = !state_.help;
-    if (state_.compared && key == kLeft) state_.compared->comparison.step(-1);
-    if (state_.compared && key == kRight) state_.compared->comparison.step(1);
-    if (key == kEscape) escape();
-}
-
-/** Closes or ends what was begun last. */
-void Viewer::escape() {
-    if (state_.open)
-        state_.open.reset();
-    else if (state_.exports.open)
-        state_.exports.open = false;
-    else if (state_.exports.running)
-        state_.wantsExportEnd = true;
-    else
-        state_.wantsCompareEnd = true;
-}
-
-/** Turns around what is seen there from now on, and selects whose it is. x, y: in ImGui's coordinates. */
-void Viewer::focusOn(float x, float y) {
-    const ImVec2 scale = ImGui::GetIO().DisplayFramebufferScale;
-    const auto place = placeAt(state_.subjects, cameraNow(), {x * scale.x, y * scale.y});
-    if (!place) return;
-    state_.selected = place->subject;
-    state_.camera.lookCloserAt(place->point);
 }
 
 void Viewer::fulfilWishes() {
@@ -381,11 +362,39 @@ void Viewer::findWeak() {
     ViewedSubject* chosen = state_.chosen();
     state_.weak = {};
     if (!chosen || !chosen->shown || state_.overlay == Overlay::None) return;
+    if (state_.overlay == Overlay::Hidden) return findHidden(*chosen);
     auto shapes = overlays_.shapes(*chosen, state_.overlay, state_.playback, lastS_);
     if (shapes)
         state_.weak = std::move(*shapes);
     else
         report(chosen->file + ": " + shapes.error().message), state_.overlay = Overlay::None;
+}
+
+/** The splats that the gate hides: the loader's last answer, and the next question once it has answered. */
+void Viewer::findHidden(const ViewedSubject& subject) {
+    if (!subject.isAvatar()) {
+        state_.weak.words = "General splats show all their sides.";
+        return;
+    }
+    if (hidden_ && hidden_->question.avatar == subject.avatar.handle()) {
+        const HiddenSplats& splats = hidden_->splats;
+        state_.weak.hidden = splats.places;
+        state_.weak.words = formatText("{} of {} splats are hidden from here.", splats.hidden, splats.splats);
+    }
+    if (gateAsked_ || !loader_) return;
+    auto question = gateQuestion(subject, cameraNow().eye());
+    if (!question) return report(subject.file + ": " + question.error().message);
+    if (hidden_ && hidden_->question == *question) return;
+    gateAsked_ = *question;
+    loader_->findHidden(std::move(*question));
+}
+
+void Viewer::takeHidden(LoadedFile news) {
+    gateAsked_.reset();
+    if (news.error.empty())
+        hidden_ = std::move(news.hidden);
+    else
+        state_.messages.error(news.error), state_.overlay = Overlay::None;
 }
 
 /** Holds the camera where the scan still has details to show. */

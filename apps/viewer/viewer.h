@@ -6,6 +6,7 @@
 #include <chrono>
 #include <memory>
 
+#include "apps/viewer/device_tries.h"
 #include "apps/viewer/exporter.h"
 #include "apps/viewer/loader.h"
 #include "apps/viewer/opened_files.h"
@@ -24,12 +25,15 @@ public:
     Viewer(const Viewer&) = delete;
     Viewer& operator=(const Viewer&) = delete;
 
-    /** Runs until the window is closed or the script is done. Returns the exit code. An error: the window or the graphics device failed. */
+    /** Runs until the window is closed or the script is done. Returns the exit code. A lost graphics device is opened again. An error: the
+     *  window failed, or the device for good. */
     Result<int> run();
 
 private:
     Viewer(const ViewerOptions& options, Timings& timings, std::unique_ptr<platform::Shell> shell);
     Status frame();
+    Status recover(std::string why);
+    Status reopenDevice();
     void takeFiles();
     void addSubject(LoadedFile loaded);
     void takeInput();
@@ -48,6 +52,8 @@ private:
     Status afterDraw(bool drawn, std::vector<uint8_t>& rgb);
     void refreshFigures();
     void findWeak();
+    void findHidden(const ViewedSubject& subject);
+    void takeHidden(LoadedFile news);
     void keepAway();
     void applyLimits();
     void report(const std::string& problem);
@@ -72,6 +78,9 @@ private:
     float detailSet_ = 0, budgetSet_ = 0;
     Exporter exporter_;
     OverlayMaker overlays_;
+    std::optional<GateQuestion> gateAsked_;  // of the loader, which has not answered
+    std::optional<HiddenNews> hidden_;       // its last answer
+    DeviceTries deviceTries_;
     uint32_t settling_ = 2;  // frames that a script waits after loading, until panels have their sizes
     uint32_t scriptFrame_ = 0;
     bool done_ = false, failed_ = false;

@@ -71,33 +71,31 @@ void scaleMouse() {
 
 }  // namespace
 
-Result<std::unique_ptr<Gui>> Gui::create(const Window& window, Device& device, VkRenderPass pass, uint32_t framesInFlight, float scale) {
-    std::unique_ptr<Gui> made(new Gui(device, scale));
-    DPL_SHELL_OK(made->make(window, pass, framesInFlight));
+std::unique_ptr<Gui> Gui::create(const Window& window, float scale) {
+    std::unique_ptr<Gui> made(new Gui(scale));
+    IMGUI_CHECKVERSION();
+    ImGui::CreateContext();
+    ImGuiIO& io = ImGui::GetIO();
+    io.IniFilename = nullptr;  // panels have their places; nothing is written into the folder of the user
+    if (access(kFont, R_OK) == 0) io.Fonts->AddFontFromFileTTF(kFont, 15 * scale), io.FontGlobalScale = 1 / scale;
+    setStyle();
+    ImGui_ImplGlfw_InitForVulkan(window.handle(), true);
+    takeMouse(window.handle());
     return made;
 }
 
-Status Gui::make(const Window& window, VkRenderPass pass, uint32_t framesInFlight) {
+Status Gui::enter(Device& device, VkRenderPass pass, uint32_t framesInFlight) {
     const VkDescriptorPoolSize size{VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER, 8};
     VkDescriptorPoolCreateInfo pool{VK_STRUCTURE_TYPE_DESCRIPTOR_POOL_CREATE_INFO};
     pool.flags = VK_DESCRIPTOR_POOL_CREATE_FREE_DESCRIPTOR_SET_BIT;
     pool.maxSets = 8;
     pool.poolSizeCount = 1;
     pool.pPoolSizes = &size;
-    DPL_VK_MAKE(pool_, vkCreateDescriptorPool, device_.device(), pool);
-
-    IMGUI_CHECKVERSION();
-    ImGui::CreateContext();
-    begun_ = true;
-    ImGuiIO& io = ImGui::GetIO();
-    io.IniFilename = nullptr;  // panels have their places; nothing is written into the folder of the user
-    if (access(kFont, R_OK) == 0) io.Fonts->AddFontFromFileTTF(kFont, 15 * scale_), io.FontGlobalScale = 1 / scale_;
-    setStyle();
-    ImGui_ImplGlfw_InitForVulkan(window.handle(), true);
-    takeMouse(window.handle());
+    DPL_VK_MAKE(pool_, vkCreateDescriptorPool, device.device(), pool);
+    device_ = &device;
     ImGui_ImplVulkan_InitInfo info{};
-    info.Instance = device_.instance(), info.PhysicalDevice = device_.physical(), info.Device = device_.device();
-    info.QueueFamily = device_.family(), info.Queue = device_.queue();
+    info.Instance = device.instance(), info.PhysicalDevice = device.physical(), info.Device = device.device();
+    info.QueueFamily = device.family(), info.Queue = device.queue();
     info.DescriptorPool = pool_;
     info.MinImageCount = info.ImageCount = framesInFlight;
     info.MSAASamples = VK_SAMPLE_COUNT_1_BIT;
@@ -105,16 +103,22 @@ Status Gui::make(const Window& window, VkRenderPass pass, uint32_t framesInFligh
         if (result != VK_SUCCESS) throw ImGuiStopped{result};
     };
     DPL_SHELL_OK(guarded([&] { ImGui_ImplVulkan_Init(&info, pass); }));
-    return uploadFont(device_);
+    return uploadFont(device);
+}
+
+void Gui::leave() {
+    if (frameOpen_) endFrame();
+    if (!device_) return;
+    ImGui_ImplVulkan_Shutdown();
+    vkDestroyDescriptorPool(device_->device(), pool_, nullptr);
+    pool_ = VK_NULL_HANDLE;
+    device_ = nullptr;
 }
 
 Gui::~Gui() {
-    if (begun_) {
-        ImGui_ImplVulkan_Shutdown();
-        ImGui_ImplGlfw_Shutdown();
-        ImGui::DestroyContext();
-    }
-    vkDestroyDescriptorPool(device_.device(), pool_, nullptr);
+    leave();
+    ImGui_ImplGlfw_Shutdown();
+    ImGui::DestroyContext();
 }
 
 void Gui::beginFrame(VkExtent2D size) {
@@ -128,10 +132,12 @@ void Gui::beginFrame(VkExtent2D size) {
     imguiFromWindow = ofWindow / scale_;
     scaleMouse();
     ImGui::NewFrame();
+    frameOpen_ = true;
 }
 
 void Gui::endFrame() {
     ImGui::Render();
+    frameOpen_ = false;
 }
 
 Status Gui::record(VkCommandBuffer commands) const {

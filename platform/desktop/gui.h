@@ -11,13 +11,17 @@ namespace dpl::platform {
 
 class Gui {
 public:
-    /** pass: a pass with one RGBA8 or BGRA8 attachment of display values and one sample. Uploads the font and waits for it. At most one at
-     *  a time; window and device must outlive it. scale: pixels of the picture for one of ImGui's coordinates, from 0.5 to 4. */
-    static Result<std::unique_ptr<Gui>> create(const Window& window, Device& device, VkRenderPass pass, uint32_t framesInFlight,
-                                               float scale);
+    /** At most one at a time; the window must outlive it. scale: pixels of the picture for one of ImGui's coordinates, from 0.5 to 4. */
+    static std::unique_ptr<Gui> create(const Window& window, float scale);
     ~Gui();
     Gui(const Gui&) = delete;
     Gui& operator=(const Gui&) = delete;
+
+    /** Draws by this device from now on, which must outlive it or its leave(). pass: with one RGBA8 or BGRA8 attachment of display values
+     *  and one sample. Uploads the font and waits for it. After an error call leave(). */
+    Status enter(Device& device, VkRenderPass pass, uint32_t framesInFlight);
+    /** Draws by no device any more; what ImGui knows stays, and a frame that was begun is over. Frames in flight have ended. */
+    void leave();
 
     /** Between these two the app calls ImGui. size: of the picture, px. */
     void beginFrame(VkExtent2D size);
@@ -26,12 +30,11 @@ public:
     Status record(VkCommandBuffer commands) const;
 
 private:
-    Gui(Device& device, float scale) : device_(device), scale_(scale) {}
-    Status make(const Window& window, VkRenderPass pass, uint32_t framesInFlight);
+    explicit Gui(float scale) : scale_(scale) {}
 
-    Device& device_;
+    Device* device_ = nullptr;  // NULL: it has entered none
     const float scale_;
-    bool begun_ = false;  // Dear ImGui has something to end
+    bool frameOpen_ = false;
     VkDescriptorPool pool_ = VK_NULL_HANDLE;
 };
 

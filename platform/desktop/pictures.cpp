@@ -131,14 +131,31 @@ Result<uint32_t> Pictures::add(std::span<const uint8_t> rgba, VkExtent2D size) {
         destroy(held);
         return filled.error();
     }
-    held_[next_] = held;
+    held.rgba.assign(rgba.begin(), rgba.end());
+    held_[next_] = std::move(held);
     return next_++;
+}
+
+Status Pictures::takeOver(const Pictures& lost) {
+    for (const auto& [id, before] : lost.held_) {
+        Held held;
+        held.size = before.size;
+        if (const Status filled = fill(held, before.rgba); !filled) {
+            destroy(held);
+            return filled;
+        }
+        held.rgba = before.rgba;
+        held_[id] = std::move(held);
+    }
+    next_ = lost.next_;
+    return {};
 }
 
 void Pictures::remove(uint32_t picture) {
     const auto found = held_.find(picture);
     if (found == held_.end()) return;
-    retired_.push_back({found->second, DPL_VULKAN_SLOTS + 1});
+    found->second.rgba.clear();
+    retired_.push_back({std::move(found->second), DPL_VULKAN_SLOTS + 1});
     held_.erase(found);
 }
 

@@ -37,6 +37,8 @@ public:
 
     /** rgba: display values with straight alpha, top row first. DPL_ERROR_INVALID_ARGUMENT: too large, or too many. */
     Result<uint32_t> add(std::span<const uint8_t> rgba, VkExtent2D size);
+    /** Shows the pictures of another device, under their ids. For one that shows none yet. */
+    Status takeOver(const Pictures& lost);
     /** Frames may still show it; it goes when they are done. An id that is not known is ignored. */
     void remove(uint32_t picture);
 
@@ -51,6 +53,7 @@ private:
         HostBuffer pixels;  // until they are uploaded
         VkExtent2D size{};
         VkDescriptorSet set = VK_NULL_HANDLE;
+        std::vector<uint8_t> rgba;  // for another device, if this one is lost
     };
     struct Retired {
         Held held;

@@ -11,35 +11,49 @@
 
 namespace dpl::platform {
 
-struct Shell::Parts {  // each needs those before it
-    std::unique_ptr<Window> window;
+/** What lives on a device; each needs those before it. */
+struct OnDevice {
     std::unique_ptr<Device> device;
     std::unique_ptr<Canvas> canvas;
     std::unique_ptr<Room> room;
     std::unique_ptr<FloorShadows> shadows;
     std::unique_ptr<Pictures> pictures;
-    std::unique_ptr<Gui> gui;
     std::unique_ptr<Swapchain> swapchain;
     std::unique_ptr<FrameSlots> slots;
+
+    void clear() { slots.reset(), swapchain.reset(), pictures.reset(), shadows.reset(), room.reset(), canvas.reset(), device.reset(); }
 };
 
-Shell::Shell(const ShellInfo& info)
-    : parts_(std::make_unique<Parts>()), fixedPicture_(info.fixedPicture), picturePx_{info.widthPx, info.heightPx} {}
+struct Shell::Parts : OnDevice {
+    std::unique_ptr<Window> window;
+    OnDevice lost;             // its device and pictures, until contexts and pictures have moved
+    std::unique_ptr<Gui> gui;  // draws by the device: it goes first
+    ~Parts() {
+        gui.reset();
+        clear(), lost.clear();
+    }
+};
+
+Shell::Shell(const ShellInfo& info) : info_(info), parts_(std::make_unique<Parts>()), picturePx_{info.widthPx, info.heightPx} {}
 
 Result<std::unique_ptr<Shell>> Shell::create(const ShellInfo& info) {
     std::unique_ptr<Shell> made(new Shell(info));
-    DPL_SHELL_OK(made->makeParts(info));
+    DPL_SHELL_OK(made->makeParts());
     return made;
 }
 
-Status Shell::makeParts(const ShellInfo& info) {
+Status Shell::makeParts() {
+    DPL_SHELL_TRY(parts_->window, Window::create(info_.title, info_.widthPx, info_.heightPx, !info_.fixedPicture));
+    if (info_.onStep) info_.onStep("window");
+    return makeOnDevice();
+}
+
+Status Shell::makeOnDevice() {
     Parts& p = *parts_;
-    const auto done = [&info](const char* step) {
-        if (info.onStep) info.onStep(step);
+    const auto done = [this](const char* step) {
+        if (info_.onStep) info_.onStep(step);
     };
-    DPL_SHELL_TRY(p.window, Window::create(info.title, info.widthPx, info.heightPx, !info.fixedPicture));
-    done("window");
-    DPL_SHELL_TRY(const Presentation presentation, p.window->presentation(info.validation));
+    DPL_SHELL_TRY(const Presentation presentation, p.window->presentation(info_.validation));
     DPL_SHELL_TRY(p.device, Device::create(presentation));
     done("Vulkan instance and device");
     DPL_SHELL_TRY(p.canvas, Canvas::create(*p.device));
@@ -48,13 +62,34 @@ Status Shell::makeParts(const ShellInfo& info) {
     DPL_SHELL_TRY(p.shadows, FloorShadows::create(p.device->handles(), roomPass, kMaxStands));
     DPL_SHELL_TRY(p.pictures, Pictures::create(p.device->handles(), p.canvas->finishingPass()));
     done("pipelines of the room");
-    const float scale = info.scale > 0 ? info.scale : info.fixedPicture ? 1 : p.window->screenScale();
-    DPL_SHELL_TRY(p.gui, Gui::create(*p.window, *p.device, p.canvas->finishingPass(), DPL_VULKAN_SLOTS, scale));
+    if (!p.gui) p.gui = Gui::create(*p.window, info_.scale > 0 ? info_.scale : info_.fixedPicture ? 1 : p.window->screenScale());
+    DPL_SHELL_OK(p.gui->enter(*p.device, p.canvas->finishingPass(), DPL_VULKAN_SLOTS));
     done("font and pipeline of the panels");
     DPL_SHELL_TRY(const VkSurfaceKHR surface, p.window->makeSurface(p.device->instance()));
     DPL_SHELL_TRY(p.swapchain, Swapchain::create(*p.device, surface, VK_IMAGE_USAGE_TRANSFER_DST_BIT));
     DPL_SHELL_TRY(p.slots, FrameSlots::create(*p.device));
     return {};
+}
+
+Status Shell::rebuild() {
+    Parts& p = *parts_;
+    if (p.device) {
+        (void)waitIdle();  // fails if the device is lost; then nothing runs on it
+        p.gui->leave();
+        p.slots.reset(), p.swapchain.reset(), p.shadows.reset(), p.room.reset(), p.canvas.reset();
+        if (!p.lost.device) p.lost.pictures = std::move(p.pictures), p.lost.device = std::move(p.device);
+        p.clear();  // what an attempt before has made, on a device that no context has seen
+    }
+    DPL_SHELL_OK(makeOnDevice());
+    if (p.lost.pictures) DPL_SHELL_OK(p.pictures->takeOver(*p.lost.pictures));
+    if (plan_) p.room->build(*plan_);
+    return {};
+}
+
+void Shell::forgetLostDevice() {
+    if (!parts_->lost.device) return;
+    for (std::string& complaint : parts_->lost.device->complaints()) complaints_.push_back(std::move(complaint));
+    parts_->lost.clear();
 }
 
 Shell::~Shell() {
@@ -81,7 +116,7 @@ const std::string& Shell::deviceName() const {
 bool Shell::beginFrame() {
     parts_->window->poll();
     if (parts_->window->wantsClose()) return false;
-    if (!fixedPicture_) picturePx_ = parts_->window->sizePx();
+    if (!info_.fixedPicture) picturePx_ = parts_->window->sizePx();
     parts_->gui->beginFrame(picturePx_);
     return true;
 }
@@ -112,6 +147,11 @@ Result<std::string> Shell::draw(const FrameContents& contents) {
     vkCmdEndRenderPass(commands);
 
     std::string problem;
+    DplResult met = DPL_OK;  // the error of Doppel's calls
+    const auto failed = [&](DplResult result) {
+        if (result != DPL_OK) met = result, problem = dplGetLastError();
+        return result != DPL_OK;
+    };
     const bool wanted = contents.context && !contents.avatars.empty();
     bool prepared = false;
     if (wanted) {
@@ -121,15 +161,14 @@ Result<std::string> Shell::draw(const FrameContents& contents) {
         depth.layout = VK_IMAGE_LAYOUT_DEPTH_STENCIL_READ_ONLY_OPTIMAL;
         depth.samples = kCanvasSamples;
         depth.scale = 0, depth.offset = kRoomNearM;
-        prepared = dplVulkanPrepare(contents.context, commands, slotIndex, contents.avatars.data(), uint32_t(contents.avatars.size()),
-                                    &contents.view, 1, contents.room ? &depth : nullptr) == DPL_OK;
-        if (!prepared) problem = dplGetLastError();
-    } else if (contents.context && dplVulkanUpload(contents.context, commands, slotIndex) != DPL_OK) {
-        problem = dplGetLastError();
+        prepared = !failed(dplVulkanPrepare(contents.context, commands, slotIndex, contents.avatars.data(),
+                                            uint32_t(contents.avatars.size()), &contents.view, 1, contents.room ? &depth : nullptr));
+    } else if (contents.context) {
+        failed(dplVulkanUpload(contents.context, commands, slotIndex));
     }
     canvas.beginComposing(commands);
-    if (prepared && dplVulkanCompose(contents.context, contents.composer, commands, slotIndex, 0, 0, 0) != DPL_OK)
-        problem = dplGetLastError();
+    if (prepared) failed(dplVulkanCompose(contents.context, contents.composer, commands, slotIndex, 0, 0, 0));
+    if (met == DPL_ERROR_DEVICE) return Error{met, problem};
     vkCmdEndRenderPass(commands);
     canvas.beginFinishing(commands);
     parts_->pictures->record(commands, picturePx_, contents.pictures);
@@ -194,10 +233,12 @@ void Shell::removePicture(uint32_t picture) {
 Status Shell::buildRoom(const RoomPlan& plan) {
     DPL_SHELL_OK(waitIdle());
     parts_->room->build(plan);
+    plan_ = plan;
     return {};
 }
 
 Status Shell::waitIdle() {
+    if (!parts_->device) return {};
     return parts_->device->waitIdle();
 }
 
@@ -216,7 +257,11 @@ std::vector<int> Shell::takeKeys() {
 }
 
 std::vector<std::string> Shell::complaints() const {
-    return parts_->device->complaints();
+    std::vector<std::string> all = complaints_;
+    for (const auto* device : {&parts_->lost.device, &parts_->device})
+        if (*device)
+            for (std::string& complaint : (*device)->complaints()) all.push_back(std::move(complaint));
+    return all;
 }
 
 }  // namespace dpl::platform

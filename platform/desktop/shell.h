@@ -1,6 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // A window in which an app draws avatars: the frame loop over window, device, swapchain, room and Dear ImGui. All functions are called from
-// the main thread, except where a comment says otherwise. An error is that of the window or the device: after it, destroy the shell.
+// the main thread, except where a comment says otherwise. An error is that of the window or the device: after it, destroy the shell. A lost
+// device (DPL_ERROR_DEVICE) can be opened again instead:
+//
+//   shell->rebuild();  dplRebuildVulkan(context, &shell->deviceForDoppel());  composer = shell->makeComposer(context);
+//   shell->forgetLostDevice();
 //
 //   auto shell = Shell::create({"title", 1280, 800});
 //   // on a worker: context = dplCreateVulkanContext(&(*shell)->deviceForDoppel(), ...); composer = (*shell)->makeComposer(context);
@@ -82,6 +86,13 @@ public:
     Status waitIdle();
     void hideWindow();
 
+    /** Opens a lost device anew, or another one that is better now. The window, what ImGui knows, the room and the pictures stay; a frame
+     *  that was begun is over. Contexts are still on the lost device: move them with dplRebuildVulkan. No other thread may use the shell
+     *  meanwhile. After an error only this function may be called, again, or the destructor. */
+    Status rebuild();
+    /** No context is on the lost device any more. */
+    void forgetLostDevice();
+
     std::vector<std::string> takeDropped();
     /** GLFW_KEY_* of keys that no text field wanted. */
     std::vector<int> takeKeys();
@@ -90,12 +101,15 @@ public:
 private:
     struct Parts;
     explicit Shell(const ShellInfo& info);
-    Status makeParts(const ShellInfo& info);
+    Status makeParts();
+    Status makeOnDevice();
     Status readPicture(const FrameContents& contents);
 
+    const ShellInfo info_;
     std::unique_ptr<Parts> parts_;
-    bool fixedPicture_ = false;
     VkExtent2D picturePx_{};
+    std::optional<RoomPlan> plan_;         // of the room
+    std::vector<std::string> complaints_;  // about devices that are gone
     uint64_t frame_ = 0, shown_ = 0;
 };
 

@@ -15,10 +15,9 @@
 #include <unordered_map>
 #include <vector>
 
+#include "tests/limits/layer_link.h"
 #include "tests/limits/phone.h"
 #include "tests/limits/spirv_needs.h"
-
-#include <vulkan/vk_layer.h>
 
 namespace dpl::limits {
 namespace {
@@ -78,12 +77,6 @@ struct Device {
     std::unordered_map<VkDescriptorSetLayout, std::vector<VkDescriptorSetLayoutBinding>> setLayouts;
     std::unordered_map<VkBuffer, VkDeviceSize> bufferBytes;
 };
-
-/** The loader puts the same pointer at the start of an instance, its physical devices, a device, its queues and command buffers. */
-template <class Handle>
-void* keyOf(Handle handle) {
-    return *reinterpret_cast<void**>(handle);
-}
 
 std::mutex tablesMutex;
 std::unordered_map<void*, std::shared_ptr<Instance>> instances;
@@ -181,15 +174,6 @@ VKAPI_ATTR VkResult VKAPI_CALL getDeviceExtensions(VkPhysicalDevice physical, co
 }
 
 // ── instance and device ─────────────────────────────────────────────────────────────────────────────────────────────────────────
-
-/** The loader's link to the next layer or driver, in the list of a create info. */
-template <class Link, class Info>
-Link* linkIn(const Info& info, VkStructureType type) {
-    for (auto* at = static_cast<const VkBaseInStructure*>(info.pNext); at; at = at->pNext)
-        if (auto* link = reinterpret_cast<const Link*>(at); at->sType == type && link->function == VK_LAYER_LINK_INFO)
-            return const_cast<Link*>(link);
-    return nullptr;
-}
 
 VKAPI_ATTR VkResult VKAPI_CALL createInstance(const VkInstanceCreateInfo* info, const VkAllocationCallbacks* allocator,
                                               VkInstance* instance) {
@@ -591,22 +575,6 @@ VKAPI_ATTR VkResult VKAPI_CALL queueSubmit(VkQueue queue, uint32_t count, const 
 
 VKAPI_ATTR PFN_vkVoidFunction VKAPI_CALL getInstanceProc(VkInstance instance, const char* name);
 VKAPI_ATTR PFN_vkVoidFunction VKAPI_CALL getDeviceProc(VkDevice device, const char* name);
-
-struct Entry {
-    const char* name;
-    PFN_vkVoidFunction function;
-};
-
-template <class Function>
-PFN_vkVoidFunction untyped(Function* function) {
-    return reinterpret_cast<PFN_vkVoidFunction>(function);
-}
-
-PFN_vkVoidFunction find(std::initializer_list<Entry> entries, const char* name) {
-    for (const Entry& entry : entries)
-        if (std::strcmp(entry.name, name) == 0) return entry.function;
-    return nullptr;
-}
 
 PFN_vkVoidFunction ownInstanceFunction(const char* name) {
     return find({{"vkGetInstanceProcAddr", untyped(getInstanceProc)},

@@ -121,6 +121,14 @@ class Panels(Test):
                 process.kill()
         print(f"the script of clicks took {time.monotonic() - began:.0f} s")
 
+    def beside(self):
+        """Splats of a file have places of their own, and yet stand beside the avatar: alone, a board reaches neither place."""
+        red = lambda picture: [self.figures("colour", picture, x, 240)[0] > 150 for x in (140, 500)]
+        for name, words, wanted in (("alone", (), False), ("beside", (self.work / "avatar-1.ply",), True)):
+            picture = self.work / f"splats_{name}.png"
+            result = self.run("--screenshot", picture, "--size", "640x480", "--room", "none", "--hide-panels", self.avatar, *words)
+            expect(result.returncode == 0 and red(picture) == [wanted, wanted], f"{name}: {red(picture)} {result.stderr}")
+
     def cancelling(self):
         """A video that Escape ends, and one of the clip to its end."""
         process, window = self.start(self.avatar, "--room", "none", "--size", f"{WIDTH}x{HEIGHT}")
@@ -258,6 +266,7 @@ def main():
         test.finished_run()
         test.states(arguments.approve)
         test.clicks()
+        test.beside()
         test.cancelling()
         test.failing()
         test.new_run()
