@@ -245,6 +245,8 @@ TEST(SampleFrames, everyTriangleHasTheLabelOfItsLayer) {
     std::set<uint8_t> seen(labels.begin(), labels.end());
     EXPECT_FALSE(seen.contains(0)) << "a triangle of no layer";
     EXPECT_GE(seen.size(), 4u);
+}
+
 TEST(SampleScan, handsMoveOnlyWhereAskedAndChangeNothingElse) {
     // As before there were hands that move: by hand from `doppel sample --small --seed 1`.
     const TruthPose raised = SampleMotion::dynamicSequence(1, 18.75).pose(18.75 * 12 / 31);
