@@ -93,6 +93,7 @@ std::vector<std::pair<const char*, uint64_t>> parts(const AvatarInfo& info) {
             {"splats", info.splatBytes},
             {"spherical harmonics", info.shBytes},
             {"pose correctives", info.correctiveBytes},
+            {"expressions", info.expressionBytes},
             {"capture map", info.captureMapBytes},
             {"clips", info.clipBytes},
             {"skin", info.skinBytes},
