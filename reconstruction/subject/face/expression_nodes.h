@@ -13,7 +13,7 @@
 
 namespace dpl {
 
-constexpr float kExpressionNodeSpacingM = 0.0025f;  // from a vertex to the nearest node, at most
+constexpr float kExpressionNodeSpacingM = 0.0015f;  // from a vertex to the nearest node, at most
 constexpr float kLeastExpressionM = 1e-4f;          // smaller offsets are left out
 
 struct ExpressionShape {

@@ -14,7 +14,7 @@ namespace {
 constexpr float kEyeX = 0.0318f, kMouthY = -0.0682f, kChinY = -0.123f;
 constexpr float kEyeHalfM = 0.0150f, kTopLidM = 0.0060f, kLowLidM = -0.0046f, kEyeBallZ = -0.0125f;
 constexpr float kCornerX = 0.0245f, kCornerY = -0.0672f;
-constexpr float kHingeY = -0.030f, kHingeZ = -0.092f, kJawTurnRad = 0.20f;
+constexpr float kHingeY = -0.030f, kHingeZ = -0.092f, kJawTurnRad = 0.11f;
 
 /** 0 at `from`, 1 at `to`, smooth at both. */
 float smooth(float from, float to, float x) {
@@ -28,7 +28,7 @@ float bump(const Vec3f& q, float x, float y, float radiusX, float radiusY) {
     return left > 0 ? left * left : 0;
 }
 
-/** The skin at the front of the head. */
+/** The front of the head. */
 float front(const Vec3f& q) {
     return smooth(-0.075f, -0.045f, q.z);
 }
@@ -50,13 +50,14 @@ struct Lids {
 
 /** The upper lid slides down over the ball to the lower one, `share` of the way. What is seen of the eye is pressed together there. */
 Vec3f blink(const Vec3f& q, float share) {
-    constexpr float kAboveM = 0.0025f, kSlitM = 0.0010f, kFoldM = 0.0060f;
+    constexpr float kAboveM = 0.0025f, kSlitM = 0.0004f, kFoldM = 0.0060f;
     const Lids lids(q);
-    if (lids.open <= 0 || q.z < -0.03f) return Vec3f(0);
+    if (lids.open <= 0 || q.z < kEyeBallZ + 0.002f) return Vec3f(0);
     const float edge = lids.top + kAboveM * std::min(1.0f, 3 * lids.open), slit = lids.low + kSlitM * lids.open, end = edge + kFoldM;
+    if (q.y <= lids.low || q.y >= end) return Vec3f(0);
     float to = q.y;
-    if (q.y >= lids.low && q.y <= edge) to = lids.low + (slit - lids.low) * (q.y - lids.low) / (edge - lids.low);
-    if (q.y > edge && q.y < end) to = slit + (end - slit) * (q.y - edge) / kFoldM;
+    if (q.y <= edge) to = lids.low + (slit - lids.low) * (q.y - lids.low) / (edge - lids.low);
+    if (q.y > edge) to = slit + (end - slit) * (q.y - edge) / kFoldM;
     to = q.y + share * (to - q.y);
     const float forward = q.z - kEyeBallZ, radius2 = q.y * q.y + forward * forward;
     return {0, to - q.y, std::sqrt(std::max(radius2 - to * to, 1e-6f)) - forward};
@@ -105,15 +106,17 @@ float lips(const Vec3f& q, float innerM, float outerM) {
     return (1 - smooth(innerM, outerM, std::abs(aboveLips(q)))) * (1 - smooth(0.020f, 0.034f, std::abs(q.x)));
 }
 
-/** How far a point moves with the jaw. atLipsM: width over which that begins at the lips; it is wider towards the cheeks. */
-float withJaw(const Vec3f& q, float atLipsM) {
-    const float width = atLipsM + 0.9f * std::max(0.0f, std::abs(q.x) - 0.016f);
-    return smooth(-width, width, -aboveLips(q)) * smooth(-0.170f, -0.128f, q.y) * smooth(-0.100f, -0.060f, q.z);
+/** How far a point below `fromM` under the line between the lips moves with the jaw; all of it from `toM` on. Cheeks begin more softly. */
+float withJaw(const Vec3f& q, float fromM, float toM) {
+    const float wider = 0.9f * std::max(0.0f, std::abs(q.x) - 0.016f);
+    return smooth(fromM - wider, toM + wider, -aboveLips(q)) * smooth(-0.170f, -0.128f, q.y) * smooth(-0.100f, -0.060f, q.z);
 }
 
+/** Skin stretches to twice its length at most, or its splats would no longer cover it. So half of the way lies between the lips, and half
+ *  in the lower lip and the chin. */
 Vec3f turnJaw(const Vec3f& q) {
-    const float angle = kJawTurnRad * withJaw(q, 0.0015f), y = q.y - kHingeY, z = q.z - kHingeZ;
-    const float c = std::cos(angle), s = std::sin(angle);
+    const float angle = kJawTurnRad * (0.55f * withJaw(q, -0.003f, 0.006f) + 0.45f * withJaw(q, 0.006f, 0.028f));
+    const float y = q.y - kHingeY, z = q.z - kHingeZ, c = std::cos(angle), s = std::sin(angle);
     return {0, c * y - s * z - y, s * y + c * z - z};
 }
 
@@ -121,15 +124,15 @@ Vec3f turnJaw(const Vec3f& q) {
 
 /** Expressions of the left side; those of the right are their mirrors. */
 Vec3f leftShape(std::string_view name, const Vec3f& q) {
-    const float half = leftHalf(q), corner = bump(q, kCornerX, kCornerY, 0.030f, 0.026f) * half * front(q);
-    const float brow = smooth(0.0060f, 0.0165f, q.y) * (1 - smooth(0.024f, 0.052f, q.y)) * front(q);
+    const float half = leftHalf(q), corner = bump(q, kCornerX, kCornerY, 0.030f, 0.026f) * half;
+    const float brow = smooth(0.0060f, 0.0165f, q.y) * (1 - smooth(0.024f, 0.052f, q.y));
     if (name == "eyeBlink") return blink(q, 1);
     if (name == "eyeWide") return moveUpperLid(q, 0.0024f) + moveLowerLid(q, -0.0008f);
     if (name == "eyeSquint") return moveLowerLid(q, 0.0026f) + moveUpperLid(q, -0.0010f);
     if (name == "eyeLookUp") return look(q, 0, 0.0024f) + moveUpperLid(q, 0.0010f);
     if (name == "eyeLookDown") return look(q, 0, -0.0014f) + blink(q, 0.25f);
-    if (name == "eyeLookIn") return look(q, -0.0042f, 0);
-    if (name == "eyeLookOut") return look(q, 0.0042f, 0);
+    if (name == "eyeLookIn") return look(q, -0.0030f, 0);
+    if (name == "eyeLookOut") return look(q, 0.0030f, 0);
     if (name == "browDown") return brow * smooth(-0.004f, 0.008f, q.x) * (1 - smooth(0.045f, 0.066f, q.x)) * Vec3f(-0.0015f, -0.0045f, 0);
     if (name == "browOuterUp") return brow * smooth(0.016f, 0.034f, q.x) * (1 - smooth(0.054f, 0.074f, q.x)) * Vec3f(0, 0.0060f, 0);
     if (name == "cheekSquint")
@@ -139,10 +142,10 @@ Vec3f leftShape(std::string_view name, const Vec3f& q) {
                        bump(q, 0.012f, -0.058f, 0.016f, 0.014f) * Vec3f(0, 0.0018f, 0));
     if (name == "mouthSmile")
         return corner * Vec3f(0.0060f, 0.0065f, -0.0030f) +
-               bump(q, 0.038f, -0.036f, 0.024f, 0.022f) * half * front(q) * Vec3f(0.0005f, 0.0025f, 0.0015f);
+               bump(q, 0.038f, -0.036f, 0.024f, 0.022f) * half * Vec3f(0.0005f, 0.0025f, 0.0015f);
     if (name == "mouthFrown") return corner * Vec3f(0.0010f, -0.0065f, -0.0008f);
     if (name == "mouthStretch") return corner * Vec3f(0.0070f, -0.0030f, -0.0025f);
-    if (name == "mouthDimple") return bump(q, kCornerX + 0.002f, kCornerY, 0.020f, 0.018f) * front(q) * Vec3f(0.0035f, 0.0005f, -0.0040f);
+    if (name == "mouthDimple") return bump(q, kCornerX + 0.002f, kCornerY, 0.020f, 0.018f) * Vec3f(0.0035f, 0.0005f, -0.0040f);
     if (name == "mouthPress") return half * lips(q, 0.008f, 0.016f) * Vec3f(0, -0.40f * aboveLips(q), -0.0015f);
     if (name == "mouthLowerDown") return half * lowerLip(q) * Vec3f(0, -0.0050f, 0);
     if (name == "mouthUpperUp") return half * upperLip(q) * Vec3f(0, 0.0042f, 0);
@@ -153,34 +156,35 @@ Vec3f leftShape(std::string_view name, const Vec3f& q) {
 Vec3f middleShape(std::string_view name, const Vec3f& q) {
     const float d = aboveLips(q), x = std::abs(q.x), side = q.x < 0 ? -1.0f : 1.0f;
     if (name == "jawOpen") return turnJaw(q);
-    if (name == "jawForward") return withJaw(q, 0.008f) * Vec3f(0, 0, 0.0050f);
-    if (name == "jawLeft" || name == "jawRight") return withJaw(q, 0.010f) * Vec3f(name == "jawLeft" ? 0.0065f : -0.0065f, 0, 0);
+    if (name == "jawForward") return withJaw(q, -0.008f, 0.008f) * Vec3f(0, 0, 0.0050f);
+    if (name == "jawLeft" || name == "jawRight") return withJaw(q, -0.010f, 0.010f) * Vec3f(name == "jawLeft" ? 0.0065f : -0.0065f, 0, 0);
     const float ring = (1 - smooth(0.022f, 0.046f, x)) * (1 - smooth(0.014f, 0.032f, std::abs(d)));
     if (name == "mouthClose") return lips(q, 0.010f, 0.022f) * Vec3f(0, -0.35f * d, 0);
     if (name == "mouthFunnel")
         return ring * Vec3f(-0.25f * q.x, 0, 0.0060f) + upperLip(q) * Vec3f(0, 0.0032f, 0) - lowerLip(q) * Vec3f(0, 0.0042f, 0);
     if (name == "mouthPucker") return ring * Vec3f(-0.38f * q.x, -0.12f * d, 0.0065f);
     if (name == "mouthLeft" || name == "mouthRight")
-        return bump(q, 0, kMouthY, 0.046f, 0.034f) * front(q) * Vec3f(name == "mouthLeft" ? 0.0075f : -0.0075f, 0, 0);
+        return bump(q, 0, kMouthY, 0.046f, 0.034f) * Vec3f(name == "mouthLeft" ? 0.0075f : -0.0075f, 0, 0);
     if (name == "mouthRollLower")
         return d < 0 ? lips(q, 0.006f, 0.015f) * Vec3f(0, -0.40f * d, -0.0035f * smooth(0, -0.003f, d)) : Vec3f(0);
     if (name == "mouthRollUpper") return d > 0 ? lips(q, 0.006f, 0.015f) * Vec3f(0, -0.40f * d, -0.0035f * smooth(0, 0.003f, d)) : Vec3f(0);
-    if (name == "mouthShrugLower") return bump(q, 0, -0.086f, 0.034f, 0.028f) * front(q) * Vec3f(0, 0.0050f, 0.0015f);
-    if (name == "mouthShrugUpper") return bump(q, 0, -0.058f, 0.032f, 0.020f) * front(q) * Vec3f(0, 0.0036f, 0.0014f);
+    if (name == "mouthShrugLower") return bump(q, 0, -0.086f, 0.034f, 0.028f) * Vec3f(0, 0.0050f, 0.0015f);
+    if (name == "mouthShrugUpper") return bump(q, 0, -0.058f, 0.032f, 0.020f) * Vec3f(0, 0.0036f, 0.0014f);
     if (name == "browInnerUp")
-        return smooth(0.0060f, 0.0165f, q.y) * (1 - smooth(0.024f, 0.052f, q.y)) * (1 - smooth(0.010f, 0.036f, x)) * front(q) *
-               Vec3f(0, 0.0065f, 0);
-    if (name == "cheekPuff") return bump({x, q.y, q.z}, 0.042f, -0.062f, 0.028f, 0.032f) * front(q) * Vec3f(0.0065f * side, 0, 0.0060f);
+        return smooth(0.0060f, 0.0165f, q.y) * (1 - smooth(0.024f, 0.052f, q.y)) * (1 - smooth(0.010f, 0.036f, x)) * Vec3f(0, 0.0065f, 0);
+    if (name == "cheekPuff") return bump({x, q.y, q.z}, 0.042f, -0.062f, 0.028f, 0.032f) * Vec3f(0.0065f * side, 0, 0.0060f);
     return Vec3f(0);
 }
 
 Vec3f shapeOf(std::string_view name, const Vec3f& q) {
-    constexpr std::string_view kMiddle[] = {"jawLeft", "jawRight", "mouthLeft", "mouthRight"};
+    constexpr std::string_view kMiddle[] = {"mouthLeft", "mouthRight"};
     const bool left = name.ends_with("Left"), right = name.ends_with("Right");
-    if ((!left && !right) || std::find(std::begin(kMiddle), std::end(kMiddle), name) != std::end(kMiddle)) return middleShape(name, q);
-    if (left) return leftShape(name.substr(0, name.size() - 4), q);
+    if (name.starts_with("jaw")) return middleShape(name, q);
+    if ((!left && !right) || std::find(std::begin(kMiddle), std::end(kMiddle), name) != std::end(kMiddle))
+        return front(q) * middleShape(name, q);
+    if (left) return front(q) * leftShape(name.substr(0, name.size() - 4), q);
     const Vec3f mirrored = leftShape(name.substr(0, name.size() - 5), {-q.x, q.y, q.z});
-    return {-mirrored.x, mirrored.y, mirrored.z};
+    return front(q) * Vec3f(-mirrored.x, mirrored.y, mirrored.z);
 }
 
 }  // namespace

@@ -69,7 +69,7 @@ TEST_F(ExpressionApiTest, theFaceStaysWhilePosesComeAndGo) {
     weights[0] = 0.75f;
     ASSERT_EQ(set(face_, weights), DPL_OK);
     const std::vector<uint8_t> smiling = drawn(face_);
-    const float turned[8] = {0, 0, 0, 1, 0.3f, 0, 0, 0.954f}, rest[8] = {0, 0, 0, 1, 0, 0, 0, 1};
+    const float turned[8] = {0, 0.3f, 0, 0.954f, 0, 0, 0, 1}, rest[8] = {0, 0, 0, 1, 0, 0, 0, 1};
     ASSERT_EQ(dplSetPose(face_, turned, 2, nullptr), DPL_OK);
     EXPECT_TRUE(drawn(face_) != smiling);
     ASSERT_EQ(dplSetPose(face_, rest, 2, nullptr), DPL_OK);

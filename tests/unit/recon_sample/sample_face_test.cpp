@@ -120,7 +120,7 @@ TEST(SampleFace, aClosedEyeShowsNothingOfTheEye) {
         const Vec3f at = landmarks.leftEye + Vec3f(0.015f * u, 0, 0);
         const Vec3f above = at + Vec3f(0, top, 0), below = at + Vec3f(0, low, 0);
         const float left = above.y + faceOffset(landmarks, blink, above).y - below.y - faceOffset(landmarks, blink, below).y;
-        EXPECT_LT(left, 0.0011f) << "metres of eye that stay visible, at u " << u;
+        EXPECT_LT(left, 0.0005f) << "metres of eye that stay visible, at u " << u;
         EXPECT_GT(left, 0.0f) << u;
     }
 }
