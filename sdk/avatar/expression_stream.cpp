@@ -70,13 +70,12 @@ bool addNamed(std::string_view name, float weight, ExpressionWeights& weights) {
     for (const Share& share : kShares) {
         if (share.of != name) continue;
         known = true;
-        const std::string_view stem = share.name.substr(0, share.name.size() - std::min<size_t>(4, share.name.size()));
         if (!share.name.ends_with("Both")) {
             add(share.name, share.weight * weight, weights);
             continue;
         }
-        add(std::string(stem) + "Left", share.weight * weight, weights);
-        add(std::string(stem) + "Right", share.weight * weight, weights);
+        const std::string stem(share.name.substr(0, share.name.size() - 4));
+        for (const char* side : {"Left", "Right"}) add(stem + side, share.weight * weight, weights);
     }
     return known;
 }

@@ -108,7 +108,7 @@ float lips(const Vec3f& q, float innerM, float outerM) {
 
 /** How far a point below `fromM` under the line between the lips moves with the jaw; all of it from `toM` on. Cheeks begin more softly. */
 float withJaw(const Vec3f& q, float fromM, float toM) {
-    const float wider = 0.9f * std::max(0.0f, std::abs(q.x) - 0.016f);
+    const float wider = std::clamp(0.9f * (std::abs(q.x) - 0.016f), 0.0f, 0.022f);
     return smooth(fromM - wider, toM + wider, -aboveLips(q)) * smooth(-0.170f, -0.128f, q.y) * smooth(-0.100f, -0.060f, q.z);
 }
 
