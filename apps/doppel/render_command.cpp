@@ -17,6 +17,7 @@
 #include "reconstruction/run/frame_table.h"
 #include "reconstruction/run/run_scan.h"
 #include "sdk/core/files.h"
+#include "sdk/core/numbers.h"
 
 namespace dpl {
 namespace {
@@ -31,6 +32,7 @@ size_t millisecondsSince(Clock::time_point start) {
 struct RenderOptions {
     fs::path avatar, out, scan, poses;
     std::vector<fs::path> beside;
+    std::vector<std::string> expression;  // NAME=WEIGHT
     std::string clip, animation, split = "test", size = "720x1280", renderer = "auto", fill = "auto", axes;
     double apartM = 0.8, timeS = 0, seconds = 0, framesPerSecond = 30, azimuthDeg = 0, scale = 1;
     double splatsPerPixel = 0;
@@ -138,6 +140,24 @@ Result<DplAvatarInfo> standInRow(Company& company, double apartM) {
     return all;
 }
 
+/** Sets the face of every avatar by --expression. */
+Status express(const RenderOptions& options, Company& company) {
+    std::vector<std::string> words;
+    std::vector<const char*> names;
+    std::vector<float> weights;
+    for (const std::string& given : options.expression) {
+        const size_t equals = given.find('=');
+        float weight = 0;
+        if (equals == std::string::npos || !readNumber(std::string_view(given).substr(equals + 1), weight))
+            return fail(Code::InvalidArgument, "--expression {}: name a weight like jawOpen=0.5", given);
+        words.push_back(given.substr(0, equals)), weights.push_back(weight);
+    }
+    for (const std::string& word : words) names.push_back(word.c_str());
+    for (doppel::Avatar& avatar : company.avatars)
+        if (auto set = avatar.setExpression(names, weights); !set) return fromSdk(set.error());
+    return {};
+}
+
 /** Stills, turntables and clips, from a camera that frames all avatars. */
 Result<Drawn> renderShots(const RenderOptions& options, const doppel::Context& context, Company& company, Progress& progress) {
     const PictureSize size = parsePictureSize(options.size).value_or(PictureSize{});  // the option parser has checked it
@@ -152,6 +172,7 @@ Result<Drawn> renderShots(const RenderOptions& options, const doppel::Context& c
         if (!about) return fromSdk(about.error());
         duration = std::max(duration, about->durationS);
     }
+    if (!options.expression.empty()) DPL_RETURN_IF_ERROR(express(options, company));
     DPL_TRY(const DplAvatarInfo box, standInRow(company, options.apartM));
     if (options.seconds > 0) duration = options.seconds;
 
@@ -299,6 +320,8 @@ void addRenderCommand(CLI::App& app, CommandRun& run) {
     command->add_option("--seconds", options->seconds, "Length of the video (default: the clip's, or 6 s for a turntable)")
         ->check(inRange(0.0, 3600.0));
     command->add_option("--fps", options->framesPerSecond, "Frames per second")->check(inRange(1.0, 240.0))->capture_default_str();
+    command->add_option("--expression", options->expression,
+                        "What the face shows, such as mouthSmileLeft=0.8 jawOpen=0.3: names of ARKit or VRM, weights 0 to 1");
     command->add_flag("--turntable", options->turntable, "Move the camera once around the avatar");
     command->add_option("--azimuth", options->azimuthDeg, "Angle of the camera around the avatar, degrees; 0: from the front")
         ->check(inRange(-360.0, 360.0));
@@ -306,7 +329,7 @@ void addRenderCommand(CLI::App& app, CommandRun& run) {
     command->add_flag("--stereo", options->stereo, "Left and right eye side by side, 63 mm apart");
     command->add_option("--size", options->size, "Size of one view")->check(isPictureSize())->capture_default_str();
     command->add_option("--scan", options->scan, "Draw the frames of this scan from its own cameras, one PNG with alpha for each frame");
-    for (const char* other : {"--with", "--clip", "--time", "--seconds", "--turntable", "--azimuth", "--stereo", "--size"})
+    for (const char* other : {"--with", "--clip", "--time", "--seconds", "--expression", "--turntable", "--azimuth", "--stereo", "--size"})
         command->get_option("--scan")->excludes(other);
     command->add_option("--split", options->split, "With --scan: which frames to draw")
         ->check(CLI::IsMember({"test", "validation", "train", "all"}))

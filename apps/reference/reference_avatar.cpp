@@ -161,10 +161,17 @@ ReferenceCorrection referenceCorrection(const AvatarData& avatar, const Pose& po
     std::vector<glm::dvec3> sums(c.nodeCount, glm::dvec3(0));
     for (size_t n = 0; n < sums.size(); ++n)
         for (size_t i = 0; i < k.size(); ++i) sums[n] += k[i] * glm::dvec3(c.nodes[n * k.size() + i]);
+    std::vector<glm::dvec3> face(c.nodeCount, glm::dvec3(0));
+    const ExpressionData& expressions = avatar.expressions;
+    for (size_t s = 0, e = 0; s < expressions.shapes.size(); ++s)
+        for (; e < expressions.ends[s]; ++e)
+            face[expressions.nodes[e]] += double(pose.expression[expressions.shapes[s]]) * glm::dvec3(expressions.offsetsM[e]);
+    for (size_t n = 0; n < sums.size(); ++n) sums[n] += face[n];
     const std::vector<glm::dvec3> pushes = referencePushes(avatar, pose, sums);
     for (size_t v = 0; v < vertices; ++v) {
         for (int slot = 0; slot < 4; ++slot) {
-            out.offset[v] += double(c.nodeWeights[v][slot]) / 255.0 * pushes[c.nodeIndices[v][slot]];
+            const uint32_t node = c.nodeIndices[v][slot];
+            out.offset[v] += double(c.nodeWeights[v][slot]) / 255.0 * (pushes[node] + face[node]);
             for (size_t i = 0; i < k.size(); ++i) {
                 const glm::dvec4 value(c.nodes[size_t(c.nodeIndices[v][slot]) * k.size() + i]);
                 const double share = k[i] * double(c.nodeWeights[v][slot]) / 255.0;

@@ -63,7 +63,7 @@ ReferencePicture ReferenceFile::draw(std::span<const float> rotations, const Vec
 }
 
 bool ReferenceFile::hasPoseCorrectives() const {
-    return avatar_ && !avatar_->correctives.empty();
+    return avatar_ && avatar_->correctives.followsPose();
 }
 
 bool ReferenceFile::hasLight() const {

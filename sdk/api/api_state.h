@@ -68,6 +68,7 @@ struct Avatar {
     Pose pose, givenPose;                                          // givenPose: scratch of dplSetPose and dplSetPoseFromClips
     MotionClock clock;                                             // of `pose`
     float clothStiffness = 1;                                      // of dplSetClothStiffness
+    ExpressionWeights expression{};                                // of dplSetExpression
     std::array<float, 12> worldFromAvatar = kStandsAtOrigin;       // as given
     Placement placement;                                           // the same
     uint32_t drawnViews = 0, drawnWidthPx = 0, drawnHeightPx = 0;  // of the last frame that belongs to this avatar; 0 views: none
@@ -89,9 +90,9 @@ struct Avatar {
     Avatar();
     ~Avatar();
 
-    /** `pose` with the stiffness of the clothes, which stays while poses come and go. */
-    const Pose& stiffPose() {
-        pose.clothStiffness = clothStiffness;
+    /** `pose` with the stiffness of the clothes and the expression, which stay while poses come and go. */
+    const Pose& drawnPose() {
+        pose.clothStiffness = clothStiffness, pose.expression = expression;
         return pose;
     }
     /** Replays a clip, which must stay where it is. Takes milliseconds, and needs no lock. */

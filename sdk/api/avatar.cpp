@@ -33,7 +33,7 @@ Status checkPosable(const Avatar& avatar) {
 namespace {
 
 Status checkTrained(const Avatar& avatar) {
-    if (!avatar.data->correctives.empty()) return {};
+    if (avatar.data->correctives.followsPose()) return {};
     return fail(Code::Unsupported, "{} has no pose correctives, so it has no record of its training poses", avatar.data->name);
 }
 

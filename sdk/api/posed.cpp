@@ -32,11 +32,12 @@ uint32_t choose(PosedOutput& output, const Avatar& avatar, const CodedSplats& sp
 /** The posed triangles, in avatar space; those of hidden layers show nothing. */
 std::span<const TriangleFrame<float>> framesOf(PosedOutput& output, Avatar& avatar) {
     const AvatarData& data = *avatar.data;
-    const Pose& pose = avatar.stiffPose();
+    const Pose& pose = avatar.drawnPose();
     if (output.posed && samePose(output.pose, pose) && output.hiddenLayers == avatar.hiddenLayers) return output.mesh.frames();
     if (output.normals.empty() && !data.light.empty()) output.normals = restVertexNormals(data.mesh);
-    output.mesh.pose({data.joints, data.mesh, data.correctives, {}, &data.light, output.normals, &avatar.surface->clearance}, pose,
-                     output.jobs);
+    output.mesh.pose(
+        {data.joints, data.mesh, data.correctives, {}, &data.light, output.normals, &avatar.surface->clearance, &data.expressions}, pose,
+        output.jobs);
     const std::vector<LayerData>& layers = data.mesh.layers;
     for (size_t l = 0; l < std::min<size_t>(layers.size(), 64); ++l)
         if (avatar.hiddenLayers >> l & 1) output.mesh.hideTriangles(layers[l].firstTriangle, layers[l].triangleCount);

@@ -22,7 +22,7 @@ struct Scene {
     std::span<const Drawn> drawn(Drawn (&what)[DPL_MAX_TOGETHER]) const {
         for (size_t i = 0; i < count; ++i) {
             avatars[i]->clock.show(avatars[i]->data->correctives.motion, avatars[i]->pose);
-            what[i] = {avatars[i]->renderId, &avatars[i]->stiffPose(), avatars[i]->placement, avatars[i]->hiddenLayers};
+            what[i] = {avatars[i]->renderId, &avatars[i]->drawnPose(), avatars[i]->placement, avatars[i]->hiddenLayers};
         }
         return {what, count};
     }

@@ -23,7 +23,8 @@ Surface& dpl::api::surfaceOf(Avatar& avatar) {
 std::span<const Vec3f> dpl::api::verticesOf(Avatar& avatar) {
     const AvatarData& data = *avatar.data;
     Surface& surface = surfaceOf(avatar);
-    return surface.posed.in({data.joints, data.mesh, data.correctives, {}, nullptr, {}, &surface.clearance}, avatar.stiffPose());
+    return surface.posed.in({data.joints, data.mesh, data.correctives, {}, nullptr, {}, &surface.clearance, &data.expressions},
+                            avatar.drawnPose());
 }
 
 namespace {

@@ -55,7 +55,7 @@ Status writeSplatsOnGpu(const AppSide& side, Avatar& avatar, const SplatRequest&
                     "the rows lie {} bytes apart at most, {} binds {} at once; use a smaller stride, or a buffer for each", bound.bytes,
                     device.name, device.maxBindingBytes);
     avatar.clock.show(avatar.data->correctives.motion, avatar.pose);
-    const SplatWrite write{{avatar.renderId, &avatar.stiffPose(), avatar.placement, avatar.hiddenLayers},
+    const SplatWrite write{{avatar.renderId, &avatar.drawnPose(), avatar.placement, avatar.hiddenLayers},
                            request.budget,
                            request.shDegree,
                            request.eye,

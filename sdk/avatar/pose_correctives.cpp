@@ -60,6 +60,15 @@ void correctiveNodes(const PoseCorrectiveData& c, std::span<const float> coeffic
     for (; n < c.nodeCount; ++n) sumModes<1>(c, coefficients, n, nodes);
 }
 
+void addExpression(const ExpressionData& x, const ExpressionWeights& weights, std::vector<float>& coefficients, std::span<Vec4f> nodes) {
+    for (size_t s = 0; s < x.shapes.size(); ++s) {
+        const float weight = weights[x.shapes[s]];
+        coefficients.push_back(weight);
+        if (weight == 0) continue;
+        for (uint32_t e = x.begin(s); e < x.ends[s]; ++e) nodes[x.nodes[e]] += Vec4f(weight * x.offsetsM[e], 0);
+    }
+}
+
 void spreadCorrectives(const PoseCorrectiveData& c, std::span<const Vec4f> nodes, std::span<const Vec3f> restPositions, Jobs& jobs,
                        std::vector<Vec3f>& moved, std::vector<float>& light) {
     moved.resize(restPositions.size()), light.resize(restPositions.size());

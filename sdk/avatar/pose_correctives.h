@@ -26,6 +26,11 @@ CorrectiveDistance correctiveCoefficients(const PoseCorrectiveData& correctives,
 /** Values of the M control nodes for these coefficients: offset in metres (xyz), change of brightness (w). */
 void correctiveNodes(const PoseCorrectiveData& correctives, std::span<const float> coefficients, std::vector<Vec4f>& nodes);
 
+/** Adds the expressions of a pose to the nodes, and their S weights to the coefficients, behind the K + K' of the correctives. Weights of
+ *  zero leave every byte of the nodes as it is. nodes: M, of correctiveNodes. */
+void addExpression(const ExpressionData& expressions, const ExpressionWeights& weights, std::vector<float>& coefficients,
+                   std::span<Vec4f> nodes);
+
 /** Interpolates the nodes at the vertices. moved: V rest positions plus offsets. light: V factors, clamped to [kMinLight, kMaxLight]. */
 void spreadCorrectives(const PoseCorrectiveData& correctives, std::span<const Vec4f> nodes, std::span<const Vec3f> restPositions,
                        Jobs& jobs, std::vector<Vec3f>& moved, std::vector<float>& light);

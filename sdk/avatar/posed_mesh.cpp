@@ -9,7 +9,8 @@ namespace dpl {
 
 bool samePose(const Pose& a, const Pose& b) {
     return a.localRotations.size() == b.localRotations.size() && a.rootTranslation == b.rootTranslation && a.before == b.before &&
-           a.clothStiffness == b.clothStiffness && std::equal(a.localRotations.begin(), a.localRotations.end(), b.localRotations.begin());
+           a.clothStiffness == b.clothStiffness && a.expression == b.expression &&
+           std::equal(a.localRotations.begin(), a.localRotations.end(), b.localRotations.begin());
 }
 
 void PosedMesh::control(const PosedSubject& s, const Pose& pose) {
@@ -17,6 +18,7 @@ void PosedMesh::control(const PosedSubject& s, const Pose& pose) {
     if (!s.correctives.empty()) {
         correctiveCoefficients(s.correctives, pose, coefficients_);
         correctiveNodes(s.correctives, coefficients_, nodes_);
+        if (s.expressions) addExpression(*s.expressions, pose.expression, coefficients_, nodes_);
     }
     jointTransforms(s.joints, pose, worldFromRest_);
     pushedM_ = s.clearance && !nodes_.empty() ? s.clearance->push(worldFromRest_, nodes_, pushes_) : 0;

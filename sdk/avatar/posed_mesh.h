@@ -16,9 +16,10 @@ struct PosedSubject {
     const MeshData& mesh;
     const PoseCorrectiveData& correctives;
     TrianglesAtRest rest;
-    const LightData* light = nullptr;           // null: none
-    std::span<const Vec3f> normals = {};        // V, of RestNormals; empty: computed in each pose that needs them, which costs time
-    const ClothClearance* clearance = nullptr;  // of the same avatar; null: clothes may enter the body
+    const LightData* light = nullptr;             // null: none
+    std::span<const Vec3f> normals = {};          // V, of RestNormals; empty: computed in each pose that needs them, which costs time
+    const ClothClearance* clearance = nullptr;    // of the same avatar; null: clothes may enter the body
+    const ExpressionData* expressions = nullptr;  // null: none
 };
 
 /** Whether both give the same mesh. */
@@ -49,7 +50,7 @@ public:
     std::span<const float> light() const { return light_; }                    // V brightness factors; empty: 1
     std::span<const float> sceneLight() const { return scene_; }               // V, their part of the light of the scene; empty: 1
     std::span<const Mat3x4f> worldFromRest() const { return worldFromRest_; }  // one per joint
-    std::span<const float> coefficients() const { return coefficients_; }      // K + K', of the correctives
+    std::span<const float> coefficients() const { return coefficients_; }      // K + K' of the correctives, S of the expressions
     std::span<const Vec4f> nodes() const { return nodes_; }                    // M, of the correctives, pushed out of the body
     float pushedM() const { return pushedM_; }                                 // by how much at most
 

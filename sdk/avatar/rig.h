@@ -9,17 +9,23 @@
 #include "sdk/core/jobs.h"
 #include "sdk/core/result.h"
 #include "sdk/format/avatar_data.h"
+#include "sdk/format/expression_names.h"
 #include "sdk/math/binding.h"
 
 namespace dpl {
 
+/** How strongly each expression of kExpressionNames is shown, 0 to 1. */
+using ExpressionWeights = std::array<float, kExpressionCount>;
+
 /** A pose of a rig: one local rotation per joint (about its rest position, relative to its parent) and the translation of the root, metres.
- *  And what cloth still holds, at the time of this pose, of the poses before it; all 0 where no time is known. And how stiff it is. */
+ *  And what cloth still holds, at the time of this pose, of the poses before it; all 0 where no time is known. And how stiff it is, and
+ *  what the face shows. */
 struct Pose {
     std::vector<Quatf> localRotations;
     Vec3f rootTranslation{0};
     MotionMemory before{};
     float clothStiffness = 1;  // 0 to kMostClothStiffness; 1: as learned
+    ExpressionWeights expression{};
 
     static Pose rest(size_t jointCount) { return {std::vector<Quatf>(jointCount, Quatf(1, 0, 0, 0))}; }
 };

@@ -6,6 +6,7 @@
 #include "sdk/avatar/rig.h"
 #include "sdk/format/check_mesh.h"
 #include "sdk/format/correctives.h"
+#include "sdk/format/expressions.h"
 #include "sdk/format/light.h"
 #include "sdk/math/sh.h"
 
@@ -28,7 +29,8 @@ Status checkAvatarPosable(const AvatarData& avatar) {
     DPL_RETURN_IF_ERROR(asArgument(avatar, checkRig(avatar.joints)));
     DPL_RETURN_IF_ERROR(asArgument(avatar, checkMesh(avatar.mesh, avatar.joints.size())));
     DPL_RETURN_IF_ERROR(asArgument(avatar, checkLight(avatar.light)));
-    return asArgument(avatar, checkCorrectives(avatar.correctives, avatar.joints.size(), avatar.mesh.restPositions.size()));
+    DPL_RETURN_IF_ERROR(asArgument(avatar, checkCorrectives(avatar.correctives, avatar.joints.size(), avatar.mesh.restPositions.size())));
+    return asArgument(avatar, checkExpressions(avatar.expressions, avatar.correctives));
 }
 
 Status checkBoundSplats(const AvatarData& avatar) {

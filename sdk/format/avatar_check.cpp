@@ -9,6 +9,7 @@
 #include "sdk/format/capture_map.h"
 #include "sdk/format/check_mesh.h"
 #include "sdk/format/correctives.h"
+#include "sdk/format/expressions.h"
 #include "sdk/format/light.h"
 #include "sdk/math/sh.h"
 
@@ -134,6 +135,7 @@ Status checkAvatarWithoutSplats(const AvatarData& a) {
     DPL_RETURN_IF_ERROR(checkStoredMesh(a.mesh, a.joints.size()));
     if (Status fits = checkCorrectives(a.correctives, a.joints.size(), a.mesh.restPositions.size()); !fits)
         return fail(Code::InvalidArgument, "{}", fits.error().message);
+    if (Status fits = checkExpressions(a.expressions, a.correctives); !fits) return fail(Code::InvalidArgument, "{}", fits.error().message);
     if (Status good = checkLight(a.light); !good) return fail(Code::InvalidArgument, "{}", good.error().message);
     DPL_RETURN_IF_ERROR(checkCaptureMap(a.captureMap, a.joints.size()));
     for (const ClipData& clip : a.clips) DPL_RETURN_IF_ERROR(checkClip(clip, a.joints.size()));

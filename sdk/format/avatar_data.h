@@ -93,6 +93,7 @@ struct MotionModeData {
 
 /** Pose correctives: how the surface and its brightness follow the pose (docs/reference/correctives.md). M control nodes carry an offset
  *  and a brightness that are linear in K coefficients of the pose. Each vertex takes them from four nodes by weights. nodeCount 0: none.
+ *  modeCount 0 with nodes: the pose moves nothing, and the nodes serve the expressions alone (ExpressionData).
  *
  *      d = feature(pose) − mean;   k = modes · d;   off² = ‖d‖² − Σ_i k_i² / ‖mode_i‖²
  *      k ← k · min(1, reach / ‖k‖) · min(1, reachOffModes / off);   node = Σ_i k_i · nodes[n][i];   (ΔV, L − 1)_v = Σ weight · node
@@ -113,7 +114,22 @@ struct PoseCorrectiveData {
     std::vector<Vec4f> nodes;               // M × (K + K'): offset in metres (rest pose), change of brightness
 
     bool empty() const { return nodeCount == 0; }
+    bool followsPose() const { return modeCount > 0; }
     uint32_t columnCount() const { return modeCount + motion.columnCount(); }  // values of a node
+};
+
+/** Expressions: offsets that control nodes of the head add for weights that a program sets, such as 0.5 of a smile
+ *  (docs/reference/expressions.md). The nodes and their vertices are those of the pose correctives. No shapes: none.
+ *
+ *      node_n += Σ_s weight_s · offset_sn        after the modes of the pose, whose reach and fade know nothing of it */
+struct ExpressionData {
+    std::vector<uint8_t> shapes;  // S: rising indices of kExpressionNames (expression_names.h)
+    std::vector<uint32_t> ends;   // S: where the entries of a shape end; those of the next one follow
+    std::vector<uint16_t> nodes;  // entries: control nodes, rising within a shape
+    std::vector<Vec3f> offsetsM;  // entries: metres at weight 1, at rest
+
+    bool empty() const { return shapes.empty(); }
+    uint32_t begin(size_t shape) const { return shape == 0 ? 0 : ends[shape - 1]; }
 };
 
 constexpr size_t kIrradianceCoefficients = 8;
@@ -172,6 +188,7 @@ struct AvatarData {
     MeshData mesh;
     SplatData splats;
     PoseCorrectiveData correctives;
+    ExpressionData expressions;
     LightData light;
     std::vector<ClipData> clips;
     std::vector<EvidenceData> evidence;

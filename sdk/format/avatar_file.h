@@ -64,7 +64,7 @@ struct AvatarInfo {
     std::string contentHash;  // "xxh3:" and 16 hex digits
     bool hashMatches = false;
     uint32_t vertices = 0, triangles = 0, joints = 0, layers = 0, splats = 0, chunks = 0, clips = 0, shDegree = 0;
-    uint32_t correctiveModes = 0, motionModes = 0, correctiveNodes = 0;
+    uint32_t correctiveModes = 0, motionModes = 0, correctiveNodes = 0, expressions = 0;
     bool light = false;          // of the scene
     float trainedPixelM = 0;     // as in AvatarData
     uint32_t shPaletteSize = 0;  // 0: every splat has its own SH
@@ -75,6 +75,7 @@ struct AvatarInfo {
     uint64_t splatBytes = 0;       // triangle counts, chunk table, three words per splat; in encoding 3 also palette indices
     uint64_t shBytes = 0;          // SH beyond coefficient 0: of every splat, or palette and indices
     uint64_t correctiveBytes = 0;  // pose correctives
+    uint64_t expressionBytes = 0;
     uint64_t captureMapBytes = 0;
     uint64_t clipBytes = 0;   // animation samplers
     uint64_t skinBytes = 0;   // inverse bind matrices

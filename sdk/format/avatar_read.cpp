@@ -7,12 +7,12 @@
 #include "sdk/core/task.h"
 #include "sdk/format/avatar_check.h"
 #include "sdk/format/avatar_file.h"
-#include "sdk/format/capture_map.h"
 #include "sdk/format/content_hash.h"
 #include "sdk/format/correctives.h"
 #include "sdk/format/correctives_compact.h"
 #include "sdk/format/extension_fields.h"
 #include "sdk/format/gltf_model.h"
+#include "sdk/format/ignorable_parts.h"
 #include "sdk/format/motion_modes.h"
 #include "sdk/format/splat_codec.h"
 #include "sdk/format/vertex_colour.h"
@@ -342,7 +342,7 @@ struct AvatarReader {
         PoseCorrectiveData head;
         DPL_TRY(const uint64_t modes, fields.number("modeCount", kMaxCorrectiveModes));
         DPL_TRY(const uint64_t nodes, fields.number("nodeCount", kMaxCorrectiveNodes));
-        if (nodes == 0) return fail(Code::CorruptData, "pose correctives without nodes");
+        if (nodes == 0 || modes == 0) return fail(Code::CorruptData, "pose correctives without nodes or modes");
         head.modeCount = uint32_t(modes), head.nodeCount = uint32_t(nodes);
         DPL_TRY(head.joints, fields.numbers("joints", limits.maxJoints, limits.maxJoints - 1));
         DPL_TRY(head.reach, fields.real("reach"));
@@ -389,22 +389,6 @@ struct AvatarReader {
         return {};
     }
 
-    /** The map changes no picture. So a map of a newer encoding is left out, and the avatar is read. */
-    Status readCaptureMap() {
-        const Fields root(extension, "DPL_gaussian_avatar");
-        if (!root.has("captureMap")) return {};
-        DPL_TRY(const Json* object, root.object("captureMap"));
-        const Fields fields(*object, "captureMap");
-        DPL_TRY(const uint64_t encoding, fields.number("encoding", 0xffffffffu));
-        if (encoding == 0) return fail(Code::CorruptData, "capture map encoding 0 does not exist");
-        if (encoding != 1) return {};
-        DPL_TRY(const Json* streams, fields.object("streams"));
-        DPL_TRY(const auto sides, stream(*streams, "sides"));
-        info.captureMapBytes = sides.size();
-        DPL_TRY(avatar.captureMap, decodeCaptureMap(sides, avatar.joints.size()));
-        return {};
-    }
-
     /** A stream that is absent is empty: glTF has no empty buffer views. */
     Result<std::span<const uint8_t>> stream(const Json& streams, const char* name) {
         if (!streams.contains(name)) return std::span<const uint8_t>();
@@ -426,7 +410,10 @@ struct AvatarReader {
         DPL_RETURN_IF_ERROR(taskAt(0.9));
         DPL_RETURN_IF_ERROR(readCorrectives());
         DPL_RETURN_IF_ERROR(readLight());
-        DPL_RETURN_IF_ERROR(readCaptureMap());
+        const Fields root(extension, "DPL_gaussian_avatar");
+        const auto view = [&](const Json& streams, const char* name) { return stream(streams, name); };
+        DPL_TRY(info.expressionBytes, readExpressions(root, view, avatar));
+        DPL_TRY(info.captureMapBytes, readCaptureMap(root, view, avatar));
         // The reader accepts exactly what the writer may write.
         if (Status valid = checkAvatarWithoutSplats(avatar); !valid)
             return fail(Code::CorruptData, "the file holds an impossible avatar: {}", valid.error().message);
@@ -449,9 +436,10 @@ struct AvatarReader {
             info.layerList.push_back(std::move(entry));
         }
         info.correctiveModes = avatar.correctives.modeCount, info.motionModes = avatar.correctives.motion.columnCount();
-        info.correctiveNodes = avatar.correctives.nodeCount, info.light = !avatar.light.empty();
-        const uint64_t known = info.meshBytes + info.splatBytes + info.shBytes + info.correctiveBytes + info.captureMapBytes +
-                               info.clipBytes + info.skinBytes + info.jsonBytes;
+        info.correctiveNodes = avatar.correctives.followsPose() ? avatar.correctives.nodeCount : 0, info.light = !avatar.light.empty();
+        info.expressions = uint32_t(avatar.expressions.shapes.size());
+        const uint64_t known = info.meshBytes + info.splatBytes + info.shBytes + info.correctiveBytes + info.expressionBytes +
+                               info.captureMapBytes + info.clipBytes + info.skinBytes + info.jsonBytes;
         info.otherBytes = info.fileBytes - std::min(known, info.fileBytes);
     }
 };

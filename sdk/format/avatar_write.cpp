@@ -7,6 +7,7 @@
 #include "sdk/format/content_hash.h"
 #include "sdk/format/correctives.h"
 #include "sdk/format/correctives_compact.h"
+#include "sdk/format/expressions.h"
 #include "sdk/format/glb_builder.h"
 #include "sdk/format/motion_modes.h"
 #include "sdk/format/skinned_mesh_write.h"
@@ -29,7 +30,7 @@ Json motionModes(GlbBuilder& glb, const MotionModeData& m) {
 /** The lowest version that can hold the avatar. Readers of a lower one would ignore a part and draw a wrong surface. */
 uint32_t versionOf(const AvatarData& a) {
     if (!a.light.empty() || !a.correctives.motion.empty()) return 3;
-    return a.correctives.empty() ? 1 : 2;
+    return a.correctives.followsPose() ? 2 : 1;
 }
 
 Json poseCorrectives(GlbBuilder& glb, const PoseCorrectiveData& c, bool compact) {
@@ -50,6 +51,19 @@ Json poseCorrectives(GlbBuilder& glb, const PoseCorrectiveData& c, bool compact)
     stream("mean", streams.mean), stream("modes", streams.modes), stream("ranges", streams.ranges), stream("nodes", streams.nodes);
     stream("nodeIndices", streams.nodeIndices), stream("nodeWeights", streams.nodeWeights), stream("coded", coded);
     if (!c.motion.empty()) out["motion"] = motionModes(glb, c.motion);
+    return out;
+}
+
+Json expressionsOf(GlbBuilder& glb, const AvatarData& a) {
+    const auto streams = encodeExpressions(a.expressions, a.correctives);
+    Json out = {{"encoding", 1}, {"shapes", Json::array()}};
+    for (const uint8_t shape : a.expressions.shapes) out["shapes"].push_back(kExpressionNames[shape]);
+    if (!a.correctives.followsPose()) out["nodeCount"] = a.correctives.nodeCount;
+    auto stream = [&](const char* name, const std::vector<uint8_t>& bytes) {
+        if (!bytes.empty()) out["streams"][name] = glb.addView(bytes);
+    };
+    stream("counts", streams.counts), stream("ranges", streams.ranges), stream("nodes", streams.nodes), stream("offsets", streams.offsets);
+    stream("vertices", streams.vertices), stream("nodeIndices", streams.nodeIndices), stream("nodeWeights", streams.nodeWeights);
     return out;
 }
 
@@ -101,7 +115,8 @@ Json avatarExtension(GlbBuilder& glb, const AvatarData& a, const CodedSplats& co
         ours["evidence"].push_back({{"part", e.part}, {"kept", e.kept}, {"gainDb", e.gainDb}, {"bytes", e.bytes}, {"reason", e.reason}});
 
     ours["splats"] = splatsOf(glb, a, coded, compact);
-    if (!a.correctives.empty()) ours["poseCorrectives"] = poseCorrectives(glb, a.correctives, compact);
+    if (a.correctives.followsPose()) ours["poseCorrectives"] = poseCorrectives(glb, a.correctives, compact);
+    if (!a.expressions.empty()) ours["expressions"] = expressionsOf(glb, a);
     if (!a.light.empty()) ours["light"] = {{"encoding", 1}, {"irradiance", a.light.irradiance}};
     if (!a.captureMap.empty())
         ours["captureMap"] = {{"encoding", 1}, {"streams", {{"sides", glb.addView(encodeCaptureMap(a.captureMap))}}}};

@@ -25,11 +25,30 @@ Vec4f rangeOfColumn(const PoseCorrectiveData& c, uint32_t column) {
     return range;
 }
 
+/** Every vertex has four nodes that exist. */
+Status checkNodesOfVertices(const PoseCorrectiveData& c, size_t vertexCount) {
+    if (c.nodeIndices.size() != vertexCount || c.nodeWeights.size() != vertexCount)
+        return fail(Code::CorruptData, "pose correctives have {} indices and {} weights for {} vertices", c.nodeIndices.size(),
+                    c.nodeWeights.size(), vertexCount);
+    for (size_t v = 0; v < vertexCount; ++v) {
+        const glm::u8vec4 w = c.nodeWeights[v];
+        if (w.x + w.y + w.z + w.w != 255)
+            return fail(Code::CorruptData, "pose corrective weights of vertex {} sum to {}, not 255", v, w.x + w.y + w.z + w.w);
+        for (int i = 0; i < 4; ++i)
+            if (c.nodeIndices[v][i] >= c.nodeCount)
+                return fail(Code::CorruptData, "vertex {} uses pose corrective node {} of {}", v, c.nodeIndices[v][i], c.nodeCount);
+    }
+    return {};
+}
+
 }  // namespace
 
 Status checkCorrectives(const PoseCorrectiveData& c, size_t jointCount, size_t vertexCount) {
     if (c.empty()) return {};
     const size_t features = c.joints.size() * 6;
+    if (!c.followsPose() && c.joints.empty() && c.mean.empty() && c.modes.empty() && c.nodes.empty() && c.motion.empty() &&
+        c.nodeCount <= kMaxCorrectiveNodes)
+        return checkNodesOfVertices(c, vertexCount);
     DPL_RETURN_IF_ERROR(checkMotionModes(c.motion, jointCount));
     if (c.modeCount == 0 || c.modeCount > kMaxCorrectiveModes || c.motion.columnCount() > kMaxCorrectiveModes - c.modeCount ||
         c.nodeCount > kMaxCorrectiveNodes)
@@ -39,21 +58,11 @@ Status checkCorrectives(const PoseCorrectiveData& c, size_t jointCount, size_t v
         c.nodes.size() != size_t(c.nodeCount) * c.columnCount())
         return fail(Code::CorruptData, "the arrays of the pose correctives do not fit {} joints, {} modes and {} nodes", c.joints.size(),
                     c.columnCount(), c.nodeCount);
-    if (c.nodeIndices.size() != vertexCount || c.nodeWeights.size() != vertexCount)
-        return fail(Code::CorruptData, "pose correctives have {} indices and {} weights for {} vertices", c.nodeIndices.size(),
-                    c.nodeWeights.size(), vertexCount);
     for (size_t i = 0; i < c.joints.size(); ++i)
         if (c.joints[i] >= jointCount || (i > 0 && c.joints[i] <= c.joints[i - 1]))
             return fail(Code::CorruptData, "pose correctives name joint {} of {}; each joint is listed once, in rising order", c.joints[i],
                         jointCount);
-    for (size_t v = 0; v < vertexCount; ++v) {
-        const glm::u8vec4 w = c.nodeWeights[v];
-        if (w.x + w.y + w.z + w.w != 255)
-            return fail(Code::CorruptData, "pose corrective weights of vertex {} sum to {}, not 255", v, w.x + w.y + w.z + w.w);
-        for (int i = 0; i < 4; ++i)
-            if (c.nodeIndices[v][i] >= c.nodeCount)
-                return fail(Code::CorruptData, "vertex {} uses pose corrective node {} of {}", v, c.nodeIndices[v][i], c.nodeCount);
-    }
+    DPL_RETURN_IF_ERROR(checkNodesOfVertices(c, vertexCount));
     bool good =
         allSane(c.mean) && allSane(c.modes) && c.reach > 0 && c.reach <= kMaxValue && c.reachOffModes > 0 && c.reachOffModes <= kMaxValue;
     for (const Vec4f& n : c.nodes) good = good && allSane({&n.x, 4});

@@ -14,7 +14,8 @@ namespace dpl {
 constexpr uint32_t kMaxCorrectiveModes = 64, kMaxCorrectiveNodes = 65535;  // modes: motion modes included
 
 /** Refuses arrays that do not fit one another, the rig or the mesh, and numbers that are not finite or above 1e6, so that no pose makes a
- *  vertex infinite (CorruptData, naming the array). Node indices must be in range, also in slots of weight 0. */
+ *  vertex infinite (CorruptData, naming the array). Node indices must be in range, also in slots of weight 0. Without modes, only nodes
+ *  and vertices are allowed. */
 Status checkCorrectives(const PoseCorrectiveData& correctives, size_t jointCount, size_t vertexCount);
 
 /** The streams of a file, little-endian. Bytes: owned when written, borrowed when read. */

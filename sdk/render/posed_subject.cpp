@@ -15,6 +15,7 @@ void poseAvatar(const LoadedSubject& subject, const Pose& pose, DrawnSubject& ou
     }
     correctiveCoefficients(avatar.correctives, pose, out.coefficients);
     correctiveNodes(avatar.correctives, out.coefficients, out.nodes);
+    addExpression(avatar.expressions, pose.expression, out.coefficients, out.nodes);
     out.pushedM = subject.clearance.push(out.worldFromRest, out.nodes, out.pushes);
 }
 

@@ -3,7 +3,7 @@
 //
 //   placement, views ─► the views in the space of the subject
 //   pose, joints ─► joint transforms ─► level of detail (of all subjects together) ─► components out of view
-//   pose ─► coefficients of the pose correctives ─► control nodes ─► out of the body
+//   pose ─► coefficients of the pose correctives ─► control nodes, expressions added ─► out of the body
 #pragma once
 
 #include <array>
@@ -17,7 +17,7 @@ namespace dpl {
 /** One subject in one draw call. General splats have no pose: their vectors are empty. */
 struct DrawnSubject {
     std::vector<Mat3x4f> worldFromRest;  // of each joint
-    std::vector<float> coefficients;     // of the pose correctives; empty without them
+    std::vector<float> coefficients;     // of the pose correctives, then of the expressions; empty without control nodes
     std::vector<Vec4f> nodes;            // their control nodes, pushed out of the body
     std::vector<Vec3f> pushes;           // scratch
     float pushedM = 0;                   // by how much at most

@@ -276,7 +276,8 @@ private:
     }
 
     static PosedSubject posedSubject(const Drawable& d) {
-        return {d.avatar->joints, d.avatar->mesh, d.avatar->correctives, {}, &d.avatar->light, d.normals, &d.clearance};
+        return {d.avatar->joints, d.avatar->mesh, d.avatar->correctives, {},
+                &d.avatar->light, d.normals,      &d.clearance,          &d.avatar->expressions};
     }
 
     /** Poses the surface of each avatar of together_ that some view may show, and sets `seen` of all. */

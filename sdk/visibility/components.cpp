@@ -58,12 +58,22 @@ double weightOf(const MeshData& mesh, uint32_t vertex, uint32_t joint) {
     return sum;
 }
 
-/** Offsets of the vertices, metres, that a mode adds for a coefficient of 1. */
-void moveBy(const PoseCorrectiveData& c, uint32_t mode, std::vector<Vec3f>& moved) {
+/** Offsets of the nodes, metres, that a mode adds for a coefficient of 1. The modes of the expressions follow those of the pose. */
+void nodesOf(const PoseCorrectiveData& c, const ExpressionData& expressions, size_t mode, std::vector<Vec3f>& nodes) {
+    nodes.assign(c.nodeCount, Vec3f(0));
+    if (mode < c.columnCount()) {
+        for (size_t n = 0; n < nodes.size(); ++n) nodes[n] = Vec3f(c.nodes[n * c.columnCount() + mode]);
+        return;
+    }
+    const size_t shape = mode - c.columnCount();
+    for (uint32_t e = expressions.begin(shape); e < expressions.ends[shape]; ++e) nodes[expressions.nodes[e]] = expressions.offsetsM[e];
+}
+
+/** Offsets of the vertices, metres, by those of the nodes. */
+void moveBy(const PoseCorrectiveData& c, std::span<const Vec3f> nodes, std::vector<Vec3f>& moved) {
     moved.assign(c.nodeWeights.size(), Vec3f(0));
     for (size_t v = 0; v < moved.size(); ++v)
-        for (int k = 0; k < 4; ++k)
-            moved[v] += float(c.nodeWeights[v][k]) * (1.0f / 255) * Vec3f(c.nodes[size_t(c.nodeIndices[v][k]) * c.columnCount() + mode]);
+        for (int k = 0; k < 4; ++k) moved[v] += float(c.nodeWeights[v][k]) * (1.0f / 255) * nodes[c.nodeIndices[v][k]];
 }
 
 /** Sum over the nodes of the difference between their weights at two vertices. */
@@ -196,9 +206,10 @@ Components::Components(const AvatarData& avatar, const ComponentMap& map, std::s
             crease.overPerM = std::max(crease.overPerM, over * apart[k].over * double(joints));
         }
     }
-    std::vector<Vec3f> moved;
-    for (uint32_t m = 0; m < avatar.correctives.columnCount(); ++m) {
-        moveBy(avatar.correctives, m, moved);
+    std::vector<Vec3f> nodes, moved;
+    for (size_t m = 0; m < avatar.correctives.columnCount() + avatar.expressions.shapes.size(); ++m) {
+        nodesOf(avatar.correctives, avatar.expressions, m, nodes);
+        moveBy(avatar.correctives, nodes, moved);
         for (Component& c : components_) c.modes.push_back({});
         for (size_t t = 0; t < mesh.triangles.size(); ++t) {
             const Vec3f &a = moved[mesh.triangles[t].x], &b = moved[mesh.triangles[t].y], &c = moved[mesh.triangles[t].z];

@@ -51,10 +51,10 @@ public:
     /** The bits of all components. */
     uint32_t all() const { return count() == kMaxComponents ? ~0u : (1u << count()) - 1; }
     /** Bits of the components of which no view can show a splat or a vertex. Conservative: a component that shows is never among them
-     * (tests/reference/components_test.cpp). worldFromRest: jointTransforms; coefficients: correctiveCoefficients or empty; kappaPx2: of a
-     * pixel; growth: largest growth of a splat by level of detail, ≥ 1. The views are in the avatar's own space and metres; scale: metres
-     * of the world that one of these takes. pushedM: by how much nodes differ from the sum of the modes at most (ClothClearance). Numbers
-     * that are not finite leave nothing out. Allocates nothing. */
+     * (tests/reference/components_test.cpp). worldFromRest: jointTransforms; coefficients: correctiveCoefficients, addExpression; kappaPx2:
+     * of a pixel; growth: largest growth of a splat by level of detail, ≥ 1. The views are in the avatar's own space and metres; scale:
+     * metres of the world that one of these takes. pushedM: by how much nodes differ from the sum of the modes at most (ClothClearance).
+     * Numbers that are not finite leave nothing out. Allocates nothing. */
     uint32_t unseen(std::span<const Mat3x4f> worldFromRest, std::span<const float> coefficients, std::span<const Cameraf> views,
                     float kappaPx2, float growth, float scale = 1, float pushedM = 0) const;
 
@@ -71,8 +71,8 @@ private:
         uint32_t against = 0;  // joint
         double reachPerM = 0, overPerM = 0;
     };
-    /** The most that a mode of the pose correctives adds for a coefficient of 1: to positions of vertices, to the reach of splats, and to
-     * the size of triangles with overshooting splats. */
+    /** The most that a mode of the pose correctives, or an expression, adds for a coefficient of 1: to positions of vertices, to the reach
+     * of splats, and to the size of triangles with overshooting splats. */
     struct Mode {
         double offsetM = 0, reachM = 0, overM = 0;
     };

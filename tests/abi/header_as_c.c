@@ -41,6 +41,7 @@ int main(void) {
         CHECK(sizeof(DplFileAxes) == 44 && offsetof(DplFileAxes, loadedFromFile) == 8);
         CHECK(sizeof(DplLoadInfo) == 40 && offsetof(DplLoadInfo, data) == 8 && offsetof(DplLoadInfo, release) == 24);
         CHECK(sizeof(DplLoadStatus) == 12 && offsetof(DplLoadStatus, progress) == 8);
+        CHECK(sizeof(DplExpressionInfo) == 24 && offsetof(DplExpressionInfo, drawn) == 16);
         CHECK(sizeof(DplJointInfo) == 40 && offsetof(DplJointInfo, restPosition) == 28);
         CHECK(sizeof(DplClipInfo) == 32 && offsetof(DplClipInfo, durationS) == 16);
         CHECK(sizeof(DplClipOptions) == 32 && offsetof(DplClipOptions, animation) == 16 && offsetof(DplClipOptions, animationName) == 24);

@@ -10,6 +10,7 @@
 #include "tests/unit/format/one_pixel_png.h"
 #include "tests/unit/format/sample_avatars.h"
 #include "tests/unit/format/sample_correctives.h"
+#include "tests/unit/format/sample_expressions.h"
 
 namespace {
 
@@ -46,6 +47,9 @@ int main(int argc, char** argv) {
     dpl::AvatarData mapped = dpl::test::tinyAvatar();
     mapped.captureMap = dpl::test::sampleCaptureMap(mapped.joints.size());
     ok &= save(folder / "capture_map_plain.glb", dpl::writeAvatar(mapped, {.draco = false}));
+    ok &= save(folder / "expressions.glb", dpl::writeAvatar(dpl::test::withExpressions(dpl::test::tinyCorrectedAvatar(), 1)));
+    ok &=
+        save(folder / "expressions_plain.glb", dpl::writeAvatar(dpl::test::withExpressions(dpl::test::tinyAvatar(), 1), {.draco = false}));
     const dpl::AvatarData layered = dpl::test::layeredAvatar(1, 1, 8, 3);
     const std::vector<dpl::Vec3f> normals(layered.mesh.restPositions.size(), dpl::Vec3f(0, 0, 1));
     const std::vector<dpl::Vec2f> uv(normals.size(), dpl::Vec2f(0.25f, 0.75f));

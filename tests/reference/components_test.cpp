@@ -73,6 +73,7 @@ struct Case {
     bool torn = false;     // every vertex follows one joint alone, so triangles between joints are torn apart
     float correction = 1;  // of the offsets
     bool wide = false;     // views of 136 degrees
+    bool expresses = false;
 };
 
 // Each view is turned by bisection to the angle at which the referee sees a component just no more. There the bound is tightest.
@@ -88,7 +89,9 @@ TEST(Components, whatIsLeftOutShowsNothing) {
                                {"correctives", true, false, 1, 0.2f},
                                {"correctives of half a metre", true, false, 0.1f, 0, 1, false, 20},
                                {"large splats on them", true, false, 60, 0, 1, false, 40},
-                               {"correctives, off their triangles", true, true, 0.1f, 0.1f, 1, false, 20}};
+                               {"correctives, off their triangles", true, true, 0.1f, 0.1f, 1, false, 20},
+                               {"expressions", false, false, 1, 0.2f, 1, false, 1, false, true},
+                               {"expressions beside correctives", true, true, 0.1f, 0.1f, 1, false, 1, false, true}};
     std::mt19937 random(11);
     std::uniform_real_distribution<float> uniform(0, 1);
     std::normal_distribution<float> normal;
@@ -99,6 +102,7 @@ TEST(Components, whatIsLeftOutShowsNothing) {
             for (Vec2f& scale : avatar.splats.scaleM) scale *= c.scale;
             for (Vec4f& node : avatar.correctives.nodes) node = Vec4f(c.correction * Vec3f(node), node.w);
             for (size_t v = 0; c.torn && v < avatar.mesh.jointWeights.size(); ++v) avatar.mesh.jointWeights[v] = glm::u8vec4(255, 0, 0, 0);
+            if (c.expresses) avatar = test::withExpressions(std::move(avatar), seed, 6, 0.08f);
             const ComponentSubject subject(std::move(avatar));
             ASSERT_GE(subject.components.count(), 3u);
             Pose pose = Pose::rest(subject.avatar.joints.size());
@@ -107,8 +111,12 @@ TEST(Components, whatIsLeftOutShowsNothing) {
             pose.rootTranslation = Vec3f(normal(random), normal(random), normal(random));
             std::vector<Mat3x4f> worldFromRest;
             std::vector<float> coefficients;
+            std::vector<Vec4f> nodes;
             jointTransforms(subject.avatar.joints, pose, worldFromRest);
-            if (c.corrected) correctiveCoefficients(subject.avatar.correctives, pose, coefficients);
+            if (c.expresses) pose.expression = test::randomWeights(random);
+            if (c.corrected || c.expresses) correctiveCoefficients(subject.avatar.correctives, pose, coefficients);
+            nodes.resize(subject.avatar.correctives.nodeCount);
+            addExpression(subject.avatar.expressions, pose.expression, coefficients, nodes);
             const ReferenceScene scene = sceneOf(subject.avatar, pose);
             for (int round = 0; round < 24; ++round) {
                 const auto around = [&](float reach) {

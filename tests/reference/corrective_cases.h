@@ -16,6 +16,7 @@
 #include "sdk/format/correctives.h"
 #include "tests/reference/random_avatar.h"
 #include "tests/unit/format/sample_correctives.h"
+#include "tests/unit/format/sample_expressions.h"
 
 namespace dpl {
 
@@ -218,6 +219,37 @@ inline void expectCorrectivesMatch(const char* renderer, const CorrectedVertices
     EXPECT_LT(worstPosed, 5e-6) << "metres; roots stand some metres from the origin; measured 1.8e-6";
     std::printf("%-9s largest error of the offsets %.1e of their range, of the brightness %.1e; of posed places %.1e m\n", renderer,
                 worstOffset, worstLight, worstPosed);
+}
+
+/** Expressions for every renderer: with pose correctives and without, each vertex at rest and posed is the referee's. */
+inline void expectExpressionsMatch(const char* renderer, const CorrectedVertices& verticesOf) {
+    for (const bool corrected : {true, false}) {
+        AvatarData avatar = riggedBlob(50, 9);
+        if (corrected) avatar = test::withCorrectives(std::move(avatar), 50, {.modes = 4, .nodes = 60, .light = 0.1f, .reach = 2});
+        avatar = test::withExpressions(std::move(avatar), 51, 7);
+        std::mt19937 random(52);
+        double worst = 0, worstPosed = 0, moved = 0;
+        for (Pose pose : correctivePoses(9, 53)) {
+            const ReferenceCorrection plain = referenceCorrection(avatar, pose);
+            pose.expression = test::randomWeights(random);
+            const ReferenceCorrection want = referenceCorrection(avatar, pose);
+            const std::vector<glm::dvec3> wantPosed = referenceSkin(avatar, pose);
+            const std::vector<Vec4f> rest = verticesOf(avatar, pose, false), posed = verticesOf(avatar, pose, true);
+            ASSERT_EQ(rest.size(), wantPosed.size());
+            for (size_t v = 0; v < rest.size(); ++v) {
+                const glm::dvec3 offset = glm::dvec3(rest[v]) - glm::dvec3(avatar.mesh.restPositions[v]);
+                worst = std::max(worst, glm::length(offset - want.offset[v]));
+                worstPosed = std::max(worstPosed, glm::length(glm::dvec3(posed[v]) - wantPosed[v]));
+                moved = std::max(moved, glm::length(want.offset[v] - plain.offset[v]));
+                EXPECT_EQ(want.light[v], plain.light[v]) << "brightness knows nothing of expressions";
+            }
+        }
+        std::printf("%-9s expressions%s move by up to %.1f mm: error %.1e m at rest, %.1e m posed\n", renderer,
+                    corrected ? " beside correctives" : " alone", 1e3 * moved, worst, worstPosed);
+        EXPECT_GT(moved, 0.01);
+        EXPECT_LT(worst, kPlaceRoundingM) << "metres; measured 6.3e-8 on the CPU";
+        EXPECT_LT(worstPosed, 5e-6) << "as of pose correctives";
+    }
 }
 
 /** Light of the scene for every renderer: the brightness of each vertex matches the referee's, correctives included, where irradiance is

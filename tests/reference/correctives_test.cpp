@@ -10,7 +10,7 @@ namespace {
 std::vector<Vec4f> posedOnCpu(const AvatarData& avatar, const Pose& pose, bool skinned) {
     Jobs jobs(2);
     PosedMesh mesh;
-    mesh.pose({avatar.joints, avatar.mesh, avatar.correctives, {}, &avatar.light}, pose, jobs);
+    mesh.pose({avatar.joints, avatar.mesh, avatar.correctives, {}, &avatar.light, {}, nullptr, &avatar.expressions}, pose, jobs);
     std::vector<Vec4f> out;
     for (size_t v = 0; v < mesh.light().size(); ++v) out.emplace_back(skinned ? mesh.positions()[v] : mesh.rest()[v], mesh.light()[v]);
     return out;
@@ -25,6 +25,10 @@ TEST(SceneLight, cpuBrightnessIsTheReferees) {
 }
 
 // Garment nodes that are pushed out of the body.
+TEST(Correctives, expressionsAreTheReferees) {
+    expectExpressionsMatch("CPU", posedOnCpu);
+}
+
 TEST(Correctives, clearanceIsTheReferees) {
     const AvatarData avatar = test::clothedLegs();
     const ClothClearance clearance(avatar.joints, avatar.mesh, avatar.correctives);

@@ -26,7 +26,7 @@ RULES["platform"] = []
 WINGS = {
     "base": [],
     "input": ["cameras", "capture", "observe", "import"],
-    "subject": ["shape", "body", "hands", "surface", "registration", "garments", "sample"],
+    "subject": ["shape", "body", "hands", "surface", "registration", "garments", "face", "sample"],
     "training": ["correctives", "trainer"],
     "output": ["package", "dress", "page"],
     "judging": ["coach", "report", "evidence", "ladder"],

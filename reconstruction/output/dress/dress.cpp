@@ -245,8 +245,9 @@ Result<Dressed> dressAvatar(const NamedAvatar& wearer, std::span<const Garment> 
     AvatarData& avatar = out.avatar;
     avatar = wearer.avatar;
     PoseCorrectiveData& correctives = avatar.correctives;
-    const auto zeroNode = uint16_t(correctives.nodeCount);
-    if (!correctives.empty()) {
+    // Nodes of expressions alone begin with one that never moves.
+    const auto zeroNode = uint16_t(correctives.followsPose() ? correctives.nodeCount : 0);
+    if (correctives.followsPose()) {
         if (correctives.nodeCount == kMaxCorrectiveNodes)
             return fail(Code::Unsupported, "{} has as many nodes of pose correctives as a file can hold; reconstruct it at a lower preset",
                         wearer.file);

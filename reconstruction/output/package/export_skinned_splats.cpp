@@ -20,9 +20,9 @@ Result<std::string> exportSkinnedSplats(const std::filesystem::path& avatar, con
     DPL_RETURN_IF_ERROR(writeFileAtomically(out, *file));
     std::string lines;
     if (!data.correctives.empty() || !data.light.empty())
-        lines =
-            formatText("not in {}:{}{}; DPL_skinned_gaussian_splatting holds splats on a skinned mesh and no more\n",
-                       out.filename().string(), data.correctives.empty() ? "" : " pose correctives", data.light.empty() ? "" : " light");
+        lines = formatText("not in {}:{}{}{}; DPL_skinned_gaussian_splatting holds splats on a skinned mesh and no more\n",
+                           out.filename().string(), data.correctives.followsPose() ? " pose correctives" : "",
+                           data.expressions.empty() ? "" : " expressions", data.light.empty() ? "" : " light");
     return lines + formatText("{} splats of SH degree {}, {} meshes, {} vertices, {} triangles, {} joints, {} clips, {} bytes in {}",
                               data.splats.count(), data.splats.shDegree, data.mesh.layers.size(), data.mesh.restPositions.size(),
                               data.mesh.triangles.size(), data.joints.size(), data.clips.size(), file->size(), out.string());

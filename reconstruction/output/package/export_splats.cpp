@@ -61,7 +61,8 @@ Result<Source> sourceOf(const ExportOptions& options, std::span<const uint8_t> b
         source.notes.push_back(formatText("{} splats are left out: they only show from inside, which other viewers do not hide", left));
     DPL_TRY(source.splats, SplatPoser(ungated, kSunkM).in(poses[0], /*all=*/false));
     source.lost.push_back(formatText("motion ({} joints, {} clips)", avatar.joints.size(), avatar.clips.size()));
-    if (!avatar.correctives.empty()) source.lost.push_back("pose correctives beyond this pose");
+    if (avatar.correctives.followsPose()) source.lost.push_back("pose correctives beyond this pose");
+    if (!avatar.expressions.empty()) source.lost.push_back(formatText("{} expressions", avatar.expressions.shapes.size()));
     return source;
 }
 

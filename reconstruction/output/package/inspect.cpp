@@ -9,6 +9,7 @@
 
 #include "reconstruction/output/package/avatar_bytes.h"
 #include "sdk/format/avatar_file.h"
+#include "sdk/format/expression_names.h"
 #include "sdk/format/splat_file.h"
 
 namespace dpl {
@@ -93,6 +94,7 @@ std::vector<std::pair<const char*, uint64_t>> parts(const AvatarInfo& info) {
             {"splats", info.splatBytes},
             {"spherical harmonics", info.shBytes},
             {"pose correctives", info.correctiveBytes},
+            {"expressions", info.expressionBytes},
             {"capture map", info.captureMapBytes},
             {"clips", info.clipBytes},
             {"skin", info.skinBytes},
@@ -118,6 +120,7 @@ Result<Inspection> inspectAsText(const std::filesystem::path& path) {
     if (info.correctiveNodes)
         out.insert(out.size() - 1, formatText("pose correctives: {} nodes, {} modes, {} motion modes\n", info.correctiveNodes,
                                               info.correctiveModes, info.motionModes));
+    if (info.expressions) out.insert(out.size() - 1, formatText("expressions: {} of {}\n", info.expressions, kExpressionCount));
     if (info.light) out.insert(out.size() - 1, "light of the scene: stays while the subject turns\n");
     std::string layers;
     for (const LayerInfo& layer : info.layerList)

@@ -15,6 +15,7 @@
 #include "reconstruction/output/package/sh_palette.h"
 #include "sdk/core/task.h"
 #include "sdk/format/avatar_file.h"
+#include "sdk/format/expressions.h"
 #include "sdk/format/splat_codec.h"
 #include "sdk/math/sh.h"
 
@@ -117,9 +118,10 @@ std::vector<uint32_t> modesByStrength(const PoseCorrectiveData& c) {
 }
 
 /** Motion modes stay as long as any mode does. */
-void keepModes(PoseCorrectiveData& c, const std::vector<uint32_t>& order, uint32_t count) {
+void keepModes(AvatarData& avatar, const std::vector<uint32_t>& order, uint32_t count) {
+    PoseCorrectiveData& c = avatar.correctives;
     if (count == 0) {
-        c = {};
+        dropPoseModes(c, avatar.expressions);
         return;
     }
     std::vector<uint32_t> kept(order.begin(), order.begin() + count);
@@ -194,7 +196,7 @@ public:
         packed.splats.sh = shRows(at.sh);
         packed.splats.shDegree = sh.degree;
         keepSplats(packed.splats, splats_, splatCount(at));
-        keepModes(packed.correctives, modes_, modeCount(at));
+        keepModes(packed, modes_, modeCount(at));
         c.point.splats = packed.splats.count(), c.point.shDegree = sh.degree, c.point.modes = packed.correctives.modeCount;
         if (at.splats || at.sh || at.modes || at.bits != first_.bits)
             packed.evidence.push_back({"packed", true, 0, 0,

@@ -16,7 +16,7 @@ void restInTPose(AvatarData& avatar, Jobs& jobs) {
     avatar.mesh.restPositions = std::move(positions);
     for (size_t j = 0; j < avatar.joints.size(); ++j)
         avatar.joints[j].restPosition = worldFromRest[j] * Vec4f(avatar.joints[j].restPosition, 1);
-    avatar.clips.clear(), avatar.splats = {}, avatar.correctives = {};
+    avatar.clips.clear(), avatar.splats = {}, avatar.correctives = {}, avatar.expressions = {};
 }
 
 }  // namespace dpl

@@ -6,9 +6,11 @@
 #include <cmath>
 #include <glm/gtx/component_wise.hpp>
 
+#include "reconstruction/subject/face/face_shapes.h"
 #include "reconstruction/subject/sample/raycast.h"
 #include "reconstruction/subject/sample/skeleton.h"
 #include "sdk/format/avatar_file.h"
+#include "sdk/format/expression_names.h"
 #include "sdk/math/sh.h"
 
 namespace dpl {
@@ -166,6 +168,23 @@ ClipData walkOnTheSpot() {
     return keyed("walk", steps + 1, kWalkS / double(steps), pose);
 }
 
+std::vector<ExpressionShape> subjectFace(const Subject& subject) {
+    std::vector<ExpressionShape> shapes;
+    const FaceLandmarks landmarks = builtinFace();
+    for (size_t expression = 0; expression < kExpressionCount; ++expression) {
+        if (!hasFaceShape(expression)) continue;
+        ExpressionShape& shape = shapes.emplace_back();
+        shape.expression = uint8_t(expression);
+        shape.offsetsM.assign(subject.canonical.size(), Vec3f(0));
+        for (size_t layer = 0; layer < subject.parts.size(); ++layer) {
+            const LayerData& range = subject.mesh.layers[layer];
+            for (uint32_t v = range.firstVertex; range.role == "body" && v < range.firstVertex + range.vertexCount; ++v)
+                shape.offsetsM[v] = faceOffset(landmarks, expression, subject.canonical[v]);
+        }
+    }
+    return shapes;
+}
+
 AvatarData makeSampleAvatar(const Subject& subject, Jobs& jobs) {
     PersonTracer tracer(subject);
     tracer.setVertices({subject.mesh.restPositions.begin(), subject.mesh.restPositions.end()});
@@ -202,6 +221,7 @@ AvatarData makeSampleAvatar(const Subject& subject, Jobs& jobs) {
     const size_t keys = size_t(std::lround(kMovesS * kFramesPerSecond)) + 1;
     avatar.clips = {walkOnTheSpot(), keyed("moves", keys, 1 / kFramesPerSecond, [&](double timeS) { return motion.pose(timeS); })};
     sortSplats(avatar);
+    [[maybe_unused]] const auto added = addExpressions(avatar, subjectFace(subject));  // shapes of its own mesh, on few nodes: cannot fail
     return avatar;
 }
 

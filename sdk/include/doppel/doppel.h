@@ -356,6 +356,43 @@ DPL_EXPERIMENTAL DplResult dplSetMotionState(DplAvatar avatar, const uint8_t* st
  *  DPL_ERROR_INVALID_ARGUMENT: out of range or not a number, or general splats. The previous stiffness then stays. */
 DPL_EXPERIMENTAL DplResult dplSetClothStiffness(DplAvatar avatar, float stiffness);
 
+/* ---------------------------------------------------------------- expressions */
+
+/** How many expressions there are: ARKit's, by its names and in its order, "eyeBlinkLeft" to "tongueOut". Left is the subject's left. */
+#define DPL_EXPRESSION_COUNT 52
+
+/** One of the expressions. */
+typedef struct DplExpressionInfo {
+    uint32_t structSize;
+    const char* name; /**< "mouthSmileLeft" ...; lives as long as the library */
+    uint32_t drawn;   /**< DPL_TRUE: this avatar holds it; otherwise its weight changes nothing */
+} DplExpressionInfo;
+
+/** expression: 0 to DPL_EXPRESSION_COUNT - 1, else DPL_ERROR_NOT_FOUND. */
+DPL_EXPERIMENTAL DplResult dplGetExpressionInfo(DplAvatar avatar, uint32_t expression, DplExpressionInfo* info);
+
+/** Finds an expression by its name; the first letter may be a capital one. DPL_ERROR_NOT_FOUND: the text may name what
+ *  was meant. It does not depend on the avatar. */
+DPL_EXPERIMENTAL DplResult dplFindExpression(const char* name, uint32_t* expression);
+
+/** Sets the face, until it is changed: beside the pose, which does not touch it. weights: DPL_EXPRESSION_COUNT numbers, copied; 0 is not at
+ *  all, 1 fully. Numbers beyond that are taken as 0 or 1, as trackers overshoot a little. All zero: the same picture as without this call.
+ *  An avatar without expressions takes them and does not change.
+ *  DPL_ERROR_INVALID_ARGUMENT: another count, general splats, or a weight that is not a number (the text names it). The previous
+ *  expression then stays. */
+DPL_EXPERIMENTAL DplResult dplSetExpression(DplAvatar avatar, const float* weights, uint32_t count);
+
+/** The same from a stream of another program, by its names. names: `count` of them, at most 1024: ARKit's; MediaPipe's, whose `_neutral`
+ *  says nothing; Live Link's, whose nine angles of head and eyes are left out; or VRM's ("happy", "aa", "blink" ...), each a mixture of
+ *  ARKit's. What several names move is added up and held in 0 to 1. names NULL: count must be 52 (ARKit's order) or 61 (Live Link's).
+ *  DPL_ERROR_INVALID_ARGUMENT also: another count without names, or an unknown name (the text names it). */
+DPL_EXPERIMENTAL DplResult dplSetExpressionNamed(DplAvatar avatar, const char* const* names, const float* weights, uint32_t count);
+
+/** Copies the current expression: DPL_EXPRESSION_COUNT numbers, 0 to 1. */
+DPL_EXPERIMENTAL DplResult dplGetExpression(DplAvatar avatar, float* weights, uint32_t count);
+
+/* ---------------------------------------------------------------- the pose that is set, and trust in it */
+
 /** Copies the current pose: 4·jointCount floats to rotations, 3 floats to rootTranslation. Either may be NULL. */
 DPL_API DplResult dplGetPose(DplAvatar avatar, float* rotations, uint32_t jointCount, float* rootTranslation);
 

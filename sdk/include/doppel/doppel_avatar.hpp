@@ -185,6 +185,37 @@ public:
     Status setMotionState(std::span<const uint8_t> state) { return status(dplSetMotionState(handle_, state.data(), state.size())); }
     /** How stiff the clothes are, until changed: 0 to 100, 1 as learned. See dplSetClothStiffness. */
     Status setClothStiffness(float stiffness) { return status(dplSetClothStiffness(handle_, stiffness)); }
+    /** Sets the face: DPL_EXPRESSION_COUNT weights, 0 to 1, in ARKit's order. See dplSetExpression. */
+    Status setExpression(std::span<const float> weights) {
+        return status(dplSetExpression(handle_, weights.data(), uint32_t(weights.size())));
+    }
+    /** The same by names of ARKit, MediaPipe, Live Link or VRM; all others become zero. See dplSetExpressionNamed. */
+    Status setExpression(std::initializer_list<std::pair<const char*, float>> weights) {
+        std::vector<const char*> names;
+        std::vector<float> values;
+        for (const auto& [name, weight] : weights) names.push_back(name), values.push_back(weight);
+        return setExpression(names, values);
+    }
+    Status setExpression(std::span<const char* const> names, std::span<const float> weights) {
+        if (names.size() != weights.size()) return Error{DPL_ERROR_INVALID_ARGUMENT, "a weight is needed for each name"};
+        static const char* const kNone = nullptr;  // an empty list has names too
+        return status(dplSetExpressionNamed(handle_, names.empty() ? &kNone : names.data(), weights.data(), uint32_t(weights.size())));
+    }
+    Result<std::array<float, DPL_EXPRESSION_COUNT>> expression() const {
+        std::array<float, DPL_EXPRESSION_COUNT> weights{};
+        if (const DplResult r = dplGetExpression(handle_, weights.data(), DPL_EXPRESSION_COUNT); r != DPL_OK) return lastError(r);
+        return weights;
+    }
+    /** Index of an expression by its name; see dplFindExpression. */
+    static Result<uint32_t> findExpression(const std::string& name) {
+        uint32_t index = 0;
+        if (const DplResult r = dplFindExpression(name.c_str(), &index); r != DPL_OK) return lastError(r);
+        return index;
+    }
+    /** Name of an expression, and whether this avatar holds it. */
+    Result<DplExpressionInfo> expressionInfo(uint32_t expression) const {
+        return filled<DplExpressionInfo>(dplGetExpressionInfo, handle_, expression);
+    }
     /** The current pose: 4 floats a joint, and the root translation. Either may be empty. */
     Status pose(std::span<float> rotations, std::span<float> rootTranslation = {}) const {
         if (Status fits = checkPoseSizes(rotations.size(), rootTranslation.size()); !fits) return fits;

@@ -81,6 +81,8 @@ TEST_F(StructSize, outputs) {
                          [&](DplAvatarInfo* s) { return dplGetAvatarInfo(person_, s); });
     check<DplFileAxes>("DplFileAxes", nothing<DplFileAxes>, [&](DplFileAxes* s) { return dplGetFileAxes(person_, s); });
     check<DplJointInfo>("DplJointInfo", nothing<DplJointInfo>, [&](DplJointInfo* s) { return dplGetJointInfo(person_, 0, s); });
+    check<DplExpressionInfo>("DplExpressionInfo", nothing<DplExpressionInfo>,
+                             [&](DplExpressionInfo* s) { return dplGetExpressionInfo(person_, 0, s); });
     check<DplClipInfo>("DplClipInfo", nothing<DplClipInfo>, [&](DplClipInfo* s) { return dplGetClipInfo(person_, 0, s); });
     check<DplPoseTrust>("DplPoseTrust", nothing<DplPoseTrust>, [&](DplPoseTrust* s) { return dplGetPoseTrust(person_, s, nullptr, 0); });
     check<DplCaptureDetail>("DplCaptureDetail", nothing<DplCaptureDetail>,

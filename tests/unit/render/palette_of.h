@@ -14,7 +14,8 @@ inline std::vector<gpu::vec4> paletteOf(const AvatarData& avatar, const Pose& jo
     std::vector<float> coefficients;
     std::vector<Vec4f> nodes;
     if (!avatar.correctives.empty())
-        correctiveCoefficients(avatar.correctives, nodePose, coefficients), correctiveNodes(avatar.correctives, coefficients, nodes);
+        correctiveCoefficients(avatar.correctives, nodePose, coefficients), correctiveNodes(avatar.correctives, coefficients, nodes),
+            addExpression(avatar.expressions, nodePose.expression, coefficients, nodes);
     std::vector<gpu::vec4> palette(paletteSize(avatar));
     packPalette(joints, nodes, avatar.light, palette);
     return palette;

@@ -65,6 +65,7 @@ TEST(VulkanCorrectives, deviceVerticesAreTheRefereesToAThousandthOfTheirRange) {
         return skinOnDevice(**backend, avatar, pose, skinned);
     };
     expectCorrectivesMatch("Vulkan", verticesOf);
+    expectExpressionsMatch("Vulkan", verticesOf);
     expectSceneLightMatches("Vulkan", verticesOf);
     backend->reset();
     EXPECT_EQ(options.validationMessages->load(), 0u);
