@@ -247,7 +247,7 @@ inline void expectExpressionsMatch(const char* renderer, const CorrectedVertices
         std::printf("%-9s expressions%s move by up to %.1f mm: error %.1e m at rest, %.1e m posed\n", renderer,
                     corrected ? " beside correctives" : " alone", 1e3 * moved, worst, worstPosed);
         EXPECT_GT(moved, 0.01);
-        EXPECT_LT(worst, kPlaceRoundingM) << "metres; measured 6.3e-8 on the CPU";
+        EXPECT_LT(worst, kPlaceRoundingM) << "metres; measured 6.3e-8 on the CPU, 3.0e-7 on lavapipe";
         EXPECT_LT(worstPosed, 5e-6) << "as of pose correctives";
     }
 }
