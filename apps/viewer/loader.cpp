@@ -14,6 +14,19 @@ namespace {
 
 constexpr std::chrono::seconds kLookEvery{1};  // into a watched run
 
+LoadedFile listed(const std::filesystem::path& folder) {
+    LoadedFile out;
+    out.asked = false;
+    auto list = listFolder(folder);
+    if (list) {
+        out.folder = std::move(*list);
+    } else {
+        out.error = list.error().message;
+        out.path = folder;
+    }
+    return out;
+}
+
 }  // namespace
 
 Loader::Loader(platform::Shell& shell, DplFill fill, std::string cacheFolder)
@@ -53,7 +66,12 @@ void Loader::compare(CompareTask task) {
 }
 
 void Loader::list(std::filesystem::path folder) {
-    add({.path = {}, .list = std::move(folder)});
+    std::erase_if(lists_, [](const auto& made) { return made.wait_for(std::chrono::seconds(0)) == std::future_status::ready; });
+    lists_.push_back(std::async(std::launch::async, [this, folder = std::move(folder), number = ++lastList_] {
+        LoadedFile found = listed(folder);
+        std::lock_guard lock(mutex_);
+        if (number == lastList_) done_.push_back(std::move(found));
+    }));
 }
 
 void Loader::findHidden(GateQuestion question) {
@@ -194,19 +212,6 @@ LoadedFile Loader::lookIntoRun(bool asked) {
     return out;
 }
 
-LoadedFile Loader::listNow(const Task& task) {
-    LoadedFile out;
-    out.asked = false;
-    auto list = listFolder(task.list);
-    if (list) {
-        out.folder = std::move(*list);
-    } else {
-        out.error = list.error().message;
-        out.path = task.list;
-    }
-    return out;
-}
-
 LoadedFile Loader::settingsNow(const Task& task) {
     LoadedFile out;
     out.asked = false;
@@ -286,7 +291,6 @@ LoadedFile Loader::loadOne(const Task& task) {
     if (task.walks) return walkNow(task.walks);
     if (task.gate) return hiddenNow(*task.gate);
     if (task.compare) return compareNow(*task.compare);
-    if (!task.list.empty()) return listNow(task);
     if (!task.settingsFile.empty()) return settingsNow(task);
     LoadedFile out;
     out.file = std::filesystem::path(task.path).filename().string();
@@ -400,7 +404,7 @@ void Loader::run() {
             atHand_ = std::filesystem::path(task.path).filename().string();
             const std::string file = task.compare ? task.compare->file.filename().string() : atHand_;
             lock.unlock();
-            if (broken.empty() || !task.list.empty() || !task.settingsFile.empty()) {
+            if (broken.empty() || !task.settingsFile.empty()) {
                 uint64_t before = 0;
                 do {
                     before = moves();

@@ -6,6 +6,7 @@
 #include <condition_variable>
 #include <deque>
 #include <doppel/doppel.hpp>
+#include <future>
 #include <mutex>
 #include <thread>
 
@@ -86,7 +87,8 @@ public:
     void load(std::string path, DplAvatar motionOf);
     /** Draws a frame of a scan, and reads its frames before if the avatar or scan is another one than before. */
     void compare(CompareTask task);
-    /** Lists a folder. One that cannot be listed is an error, with the folder as `path`. */
+    /** Lists a folder, beside what is being loaded; the answer to an earlier wish is dropped. One that cannot be listed is an error, with
+     * the folder as `path`. */
     void list(std::filesystem::path folder);
     /** Finds which splats the gate hides. */
     void findHidden(GateQuestion question);
@@ -121,7 +123,7 @@ private:
         DplAvatar motionOf = nullptr;
         bool sample = false;
         std::optional<CompareTask> compare;
-        std::filesystem::path list, settingsFile;
+        std::filesystem::path settingsFile;
         DplAvatar walks = nullptr;
         std::optional<GateQuestion> gate;
         std::optional<ViewerSettings> save;
@@ -131,7 +133,6 @@ private:
     void add(Task task);
     LoadedFile loadOne(const Task& task);
     LoadedFile lookIntoRun(bool asked);
-    LoadedFile listNow(const Task& task);
     LoadedFile settingsNow(const Task& task);
     LoadedFile compareNow(const CompareTask& task);
     LoadedFile walkNow(DplAvatar avatar);
@@ -163,7 +164,9 @@ private:
     bool makesContext_ = true;
     uint64_t moves_ = 0;  // of the context to another device
     std::atomic<bool> stop_{false}, lost_{false};
-    std::thread thread_;  // last: it uses all of the above
+    std::atomic<uint64_t> lastList_{0};     // the number of the folder that was wished last
+    std::vector<std::future<void>> lists_;  // that are being made; of the main thread
+    std::thread thread_;                    // last: it uses all of the above
 };
 
 }  // namespace dpl

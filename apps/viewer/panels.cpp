@@ -48,7 +48,7 @@ void quiet(const char* format, double a = 0, double b = 0) {
 void subjectList(ViewerState& state) {
     if (state.subjects.empty()) {  // also while the first is loaded: nothing moves from under the cursor
         ImGui::TextWrapped("Drop an avatar (.glb) or splats (.ply, .spz, .glb) on the window, or a film of a person to make an avatar of.");
-        ImGui::BeginDisabled(!state.atHand.empty());
+        ImGui::BeginDisabled(!state.atHand.empty() && !state.rendererName.empty());  // before there is a renderer it waits for it
         if (ImGui::Button("Load the sample", {-1, 0})) state.wantsSample = true;
         ImGui::EndDisabled();
         if (ImGui::IsItemHovered()) ImGui::SetTooltip("An avatar that comes with Doppel; it is made the first time, in seconds");
