@@ -10,6 +10,7 @@
 #include "reconstruction/output/package/mesh_atlas.h"
 #include "reconstruction/output/package/posed_splats.h"
 #include "reconstruction/run/progress.h"
+#include "reconstruction/run/run_photographs.h"
 #include "sdk/core/numbers.h"
 
 namespace dpl {
@@ -52,12 +53,23 @@ CLI::Validator isTextureSize() {
         "POWER OF TWO");
 }
 
-int exportTheMesh(const MeshExportOptions& options) {
+/** The scan that an avatar was made of, and where the poses of its frames are; empty: beside the avatar. */
+struct PhotographOptions {
+    std::filesystem::path scan, poses;
+};
+
+int exportTheMesh(const MeshExportOptions& options, const PhotographOptions& from) {
     Progress progress;
     progress.beginStage("export");
     ShownTask task(progress);
     const TaskScope scope(&task);
-    auto line = exportMesh(options);
+    std::vector<TrainFrame> photographs;
+    if (!from.scan.empty()) {
+        auto found = stillPhotographs(options.avatar, from.scan, from.poses);
+        if (!found) return reportError(found.error());
+        photographs = std::move(*found);
+    }
+    auto line = exportMesh(options, photographs);
     if (!line) return reportError(line.error());
     progress.endStage("done");
     std::printf("%s\n", line->c_str());
@@ -142,6 +154,15 @@ void addExportCommand(CLI::App& app, CommandRun& run) {
         ->needs("--mesh")
         ->check(CLI::IsMember({"none", "draco"}))
         ->capture_default_str();
+    auto from = std::make_shared<PhotographOptions>();
+    command
+        ->add_option("--photographs", from->scan,
+                     "With --mesh: the scan that the avatar was made of; the texture also takes detail of its still photographs, but never "
+                     "of held-out ones")
+        ->needs("--mesh")
+        ->check(CLI::ExistingDirectory);
+    command->add_option("--poses", from->poses, "With --photographs: poses.json of the reconstruction (default: beside the avatar)")
+        ->needs("--photographs");
     auto author = std::make_shared<std::string>();
     auto vrm = std::make_shared<bool>(false);
     auto* asVrm =
@@ -159,13 +180,14 @@ void addExportCommand(CLI::App& app, CommandRun& run) {
         "  doppel export ada/avatar.glb -o stride.glb --clip 02_01.bvh --time 0.8\n"
         "  doppel export ada/avatar.glb -o walk --clip 02_01.bvh --fps 30           (walk/00000.spz, walk/00001.spz ...)\n"
         "  doppel export ada/avatar.glb --mesh -o ada-mesh.glb\n"
+        "  doppel export ada/avatar.glb --mesh -o ada-mesh.glb --photographs scan   (with detail that the scan's pictures show)\n"
         "  doppel export ada/avatar.glb --mesh -o ada-walk.glb --clip 02_01.bvh --texture-format jpg\n"
         "  doppel export ada/avatar.glb --skinned-splats -o ada-skinned.glb\n"
         "  doppel export ada/avatar.glb --mesh --vrm --author \"Ada Byron\" -o ada.vrm\n"
         "  doppel export guitar.spz -o guitar.ply\n"
         "  doppel export guitar.ply -o guitar.spz --input-axes y-down\n"
         "The mesh is unlit (KHR_materials_unlit): its colours contain the light of the scan, and viewers show them as photographed.");
-    command->callback([options, mesh, skinnedSplats, meshOptions, vrm, author, &run] {
+    command->callback([options, mesh, skinnedSplats, meshOptions, from, vrm, author, &run] {
         if (options->fps > 0 && options->format.empty()) options->format = "spz";
         refuseInputAsOutput(options->out, {options->avatar, options->clip});
         if (*vrm) meshOptions->vrmAuthor = *author;
@@ -174,8 +196,8 @@ void addExportCommand(CLI::App& app, CommandRun& run) {
         meshOptions->threadCount = options->threadCount;
         const std::string wrong = *mesh ? wrongMeshExport(*meshOptions) : *skinnedSplats ? "" : wrongExport(*options);
         if (!wrong.empty()) throw CLI::ValidationError("--out", wrong);
-        run = [options, mesh, skinnedSplats, meshOptions] {
-            if (*mesh) return exportTheMesh(*meshOptions);
+        run = [options, mesh, skinnedSplats, meshOptions, from] {
+            if (*mesh) return exportTheMesh(*meshOptions, *from);
             if (*skinnedSplats) return exportSplatsOnMesh(*options);
             return options->fps > 0 ? exportClip(*options) : exportOneFrame(*options);
         };

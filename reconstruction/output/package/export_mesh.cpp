@@ -73,7 +73,7 @@ std::string wrongMeshExport(const MeshExportOptions& options) {
     return options.compression == "none" ? "" : "--compress does not go with --vrm: programs that take a VRM may not know Draco";
 }
 
-Result<std::string> exportMesh(const MeshExportOptions& options) {
+Result<std::string> exportMesh(const MeshExportOptions& options, std::span<const TrainFrame> photographs) {
     if (const std::string wrong = wrongMeshExport(options); !wrong.empty()) return fail(Code::InvalidArgument, "{}", wrong);
     DPL_TRY(const auto bytes, readAvatarBytes(options.avatar));
     DPL_TRY(AvatarData data, avatarOf(options.avatar, bytes, "mesh"));
@@ -107,7 +107,7 @@ Result<std::string> exportMesh(const MeshExportOptions& options) {
     Jobs jobs(options.threadCount);
     auto texture = [&] {
         const TaskPart bake(kLayEnd, kBakeEnd);
-        return bakeTexture(data, positions, *atlas, textureViews(positions, part, pixelsFor(atlas->texelM)), jobs);
+        return bakeTexture(data, positions, *atlas, textureViews(positions, part, pixelsFor(atlas->texelM)), photographs, jobs);
     }();
     if (!texture) return inFile(texture.error());
 

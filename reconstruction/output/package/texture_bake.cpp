@@ -7,6 +7,7 @@
 
 #include "reconstruction/output/package/avatar_drawer.h"
 #include "reconstruction/output/package/texture_fill.h"
+#include "reconstruction/output/package/texture_photographs.h"
 #include "reconstruction/subject/shape/implicit_mesh.h"
 #include "reconstruction/subject/surface/mesh_raster.h"
 #include "sdk/core/task.h"
@@ -24,40 +25,7 @@ constexpr float kLeastCosine = 0.15f;
 constexpr float kLeastAlpha = 0.5f;
 constexpr float kBesideOutline = 1e-4f;  // weight of a picture that sees a texel beside an outline: only where no other sees it
 constexpr uint32_t kGrain = 64;
-
-/** A texel that a chart covers. */
-struct Texel {
-    uint32_t pixel;
-    Vec2f barycentric;  // of corners 1 and 2
-};
-
-/** Texels by triangle: those of t are [start[t], start[t + 1]). */
-struct Texels {
-    std::vector<Texel> all;
-    std::vector<uint32_t> start{0};
-};
-
-Texels texelsOf(const MeshAtlas& atlas) {
-    Texels out;
-    std::vector<bool> taken(size_t(atlas.sidePx) * atlas.sidePx, false);
-    for (const auto& c : atlas.corners) {
-        const Vec2f first = glm::min(c[0], glm::min(c[1], c[2])), last = glm::max(c[0], glm::max(c[1], c[2]));
-        const Vec2f a = c[1] - c[0], b = c[2] - c[0];
-        const float doubled = a.x * b.y - a.y * b.x;
-        if (doubled != 0)
-            for (uint32_t y = uint32_t(std::max(0.0f, first.y - 0.5f)); y <= std::min(uint32_t(last.y), atlas.sidePx - 1); ++y)
-                for (uint32_t x = uint32_t(std::max(0.0f, first.x - 0.5f)); x <= std::min(uint32_t(last.x), atlas.sidePx - 1); ++x) {
-                    const Vec2f p = Vec2f(float(x) + 0.5f, float(y) + 0.5f) - c[0];
-                    const Vec2f at((p.x * b.y - p.y * b.x) / doubled, (a.x * p.y - a.y * p.x) / doubled);
-                    const size_t pixel = size_t(y) * atlas.sidePx + x;
-                    if (at.x < 0 || at.y < 0 || at.x + at.y > 1 || taken[pixel]) continue;
-                    taken[pixel] = true;
-                    out.all.push_back({uint32_t(pixel), at});
-                }
-        out.start.push_back(uint32_t(out.all.size()));
-    }
-    return out;
-}
+constexpr double kSplatsEnd = 0.5;  // of the progress, where photographs follow
 
 enum class Sight { Free, BesideOutline, Hidden };
 
@@ -131,13 +99,12 @@ std::optional<Sample> sampleAt(const SplatImage& image, const Vec2f& pixel) {
 /** The colour texture, picture by picture. */
 class TextureBake {
 public:
-    TextureBake(const MeshData& mesh, std::span<const Vec3f> positions, const MeshAtlas& atlas, Jobs& jobs)
+    TextureBake(const MeshData& mesh, std::span<const Vec3f> positions, const AtlasTexels& texels, Jobs& jobs)
         : mesh_(mesh),
           positions_(positions),
           normals_(vertexNormals(positions, mesh.triangles)),
-          atlas_(atlas),
-          texels_(texelsOf(atlas)),
-          sum_(texels_.all.size(), Vec4f(0)),
+          texels_(texels),
+          sum_(texels.all.size(), Vec4f(0)),
           jobs_(jobs) {}
 
     void add(const TextureView& view, const SplatImage& image) {
@@ -148,21 +115,20 @@ public:
         });
     }
 
-    std::vector<uint8_t> finish() const {
-        TextureFill fill(atlas_.sidePx);
+    /** Of all texels; those that nothing was seen of continue the surface around them. */
+    std::vector<Vec3f> colours() const {
+        std::vector<Vec3f> out(sum_.size());
         std::vector<Vec4f> ofVertex(positions_.size(), Vec4f(0));
-        forTexels([&](const Triangle& corners, const Vec3f& share, const Texel& texel, const Vec4f& sum) {
-            if (!(sum.w > 0)) return;
-            const Vec3f colour = Vec3f(sum) / sum.w;
-            fill.set(texel.pixel, colour);
-            for (int k = 0; k < 3; ++k) ofVertex[corners[k]] += Vec4f(share[k] * colour, share[k]);
+        forTexels([&](const Triangle& corners, const Vec3f& share, uint32_t i) {
+            if (!(sum_[i].w > 0)) return;
+            out[i] = Vec3f(sum_[i]) / sum_[i].w;
+            for (int k = 0; k < 3; ++k) ofVertex[corners[k]] += Vec4f(share[k] * out[i], share[k]);
         });
         const std::vector<Vec3f> around = spreadColours(ofVertex, mesh_);
-        forTexels([&](const Triangle& corners, const Vec3f& share, const Texel& texel, const Vec4f& sum) {
-            if (sum.w > 0) return;
-            fill.set(texel.pixel, share.x * around[corners.x] + share.y * around[corners.y] + share.z * around[corners.z]);
+        forTexels([&](const Triangle& corners, const Vec3f& share, uint32_t i) {
+            if (!(sum_[i].w > 0)) out[i] = share.x * around[corners.x] + share.y * around[corners.y] + share.z * around[corners.z];
         });
-        return fill.finish(2 * atlas_.gutterPx);
+        return out;
     }
 
 private:
@@ -171,7 +137,7 @@ private:
         for (size_t t = 0; t < mesh_.triangles.size(); ++t)
             for (uint32_t i = texels_.start[t]; i < texels_.start[t + 1]; ++i) {
                 const Vec2f at = texels_.all[i].barycentric;
-                body(mesh_.triangles[t], Vec3f(1 - at.x - at.y, at.x, at.y), texels_.all[i], sum_[i]);
+                body(mesh_.triangles[t], Vec3f(1 - at.x - at.y, at.x, at.y), i);
             }
     }
 
@@ -207,28 +173,43 @@ private:
     const MeshData& mesh_;
     std::span<const Vec3f> positions_;
     std::vector<Vec3f> normals_;  // V, unit
-    const MeshAtlas& atlas_;
-    Texels texels_;
+    const AtlasTexels& texels_;
     std::vector<Vec4f> sum_;  // of each texel: colour times weight, weight
     Jobs& jobs_;
     Depths depths_;
 };
 
+std::vector<uint8_t> filled(const MeshAtlas& atlas, const AtlasTexels& texels, std::span<const Vec3f> colours) {
+    TextureFill fill(atlas.sidePx);
+    for (size_t i = 0; i < colours.size(); ++i) fill.set(texels.all[i].pixel, colours[i]);
+    return fill.finish(2 * atlas.gutterPx);
+}
+
 }  // namespace
 
 Result<std::vector<uint8_t>> bakeTexture(const AvatarData& avatar, std::span<const Vec3f> positions, const MeshAtlas& atlas,
-                                         std::span<const TextureView> views, Jobs& jobs) try {
-    TextureBake bake(avatar.mesh, positions, atlas, jobs);
-    const ClothClearance clearance(avatar.joints, avatar.mesh, avatar.correctives);
-    AvatarDrawer drawer(avatar, jobs, &clearance);
-    const Pose rest = Pose::rest(avatar.joints.size());
-    SplatImage image;
-    for (size_t v = 0; v < views.size(); ++v) {
-        DPL_RETURN_IF_ERROR(taskAt(double(v) / double(views.size()), formatText("view {} of {}", v + 1, views.size())));
-        drawer.project(rest, views[v].camera).blend(image);
-        bake.add(views[v], image);
+                                         std::span<const TextureView> views, std::span<const TrainFrame> photographs, Jobs& jobs) try {
+    const AtlasTexels texels(atlas);
+    std::vector<Vec3f> colours;
+    {
+        const TaskPart part(0, photographs.empty() ? 1 : kSplatsEnd);
+        TextureBake bake(avatar.mesh, positions, texels, jobs);
+        const ClothClearance clearance(avatar.joints, avatar.mesh, avatar.correctives);
+        AvatarDrawer drawer(avatar, jobs, &clearance);
+        const Pose rest = Pose::rest(avatar.joints.size());
+        SplatImage image;
+        for (size_t v = 0; v < views.size(); ++v) {
+            DPL_RETURN_IF_ERROR(taskAt(double(v) / double(views.size()), formatText("view {} of {}", v + 1, views.size())));
+            drawer.project(rest, views[v].camera).blend(image);
+            bake.add(views[v], image);
+        }
+        colours = bake.colours();
     }
-    return bake.finish();
+    std::vector<uint8_t> texture = filled(atlas, texels, colours);
+    if (photographs.empty()) return texture;
+    const TaskPart part(kSplatsEnd, 1);
+    DPL_RETURN_IF_ERROR(addPhotographs(avatar, atlas, texels, texture, photographs, colours, jobs));
+    return filled(atlas, texels, colours);
 } catch (const std::bad_alloc&) {
     return fail(Code::OutOfMemory, "there is not enough memory for a texture of {} pixels a side; give a smaller --texture-size",
                 atlas.sidePx);
