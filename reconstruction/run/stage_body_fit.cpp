@@ -66,8 +66,16 @@ Status StageOf<FittedBody>::make(StageInputs& in, StageContext& context) {
     DPL_TRY(const ChosenBody* chosen, in.of<ChosenBody>());
     const Scan& scan = table->scan;
     BodyFitSettings settings;
-    DPL_TRY(BodyFit fit, fitBody(chosen->body, scan, settings));
-    DPL_TRY(const std::vector<HandFit> hands, fitFingers(chosen->body, scan, fit));
+    BodyFit fit;
+    {
+        const TaskPart body(0, 0.9);
+        DPL_TRY(fit, fitBody(chosen->body, scan, settings));
+    }
+    std::vector<HandFit> hands;
+    {
+        const TaskPart fingers(0.9, 1);
+        DPL_TRY(hands, fitFingers(chosen->body, scan, fit));
+    }
     if (const std::string swaps = describeSwaps(scan, fit.swapped); !swaps.empty()) context.progress.note(swaps);
     if (fit.metresPerUnit != 1)
         context.progress.note(formatText("one unit of the scan's world is {} m, by the size of the person in it",
