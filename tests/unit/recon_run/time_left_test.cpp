@@ -178,7 +178,7 @@ double fromTrainingOn(uint32_t steps, double stepS) {
 TEST(StepsWithin, theRunEndsInTime) {
     const RunSize standard{0, 600, 80};
     for (const double stepS : {0.02, 0.05, 0.3})
-        for (const double minutes : {30.0, 60.0, 600.0}) {
+        for (const double minutes : {30.0, 60.0, 300.0}) {
             const double seconds = minutes * 60;
             if (seconds < fromTrainingOn(kLeastSteps, stepS)) continue;
             const uint32_t steps = stepsWithin(seconds, stepS, standard);
