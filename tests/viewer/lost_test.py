@@ -96,7 +96,7 @@ class Lost(Panels):
 
     def for_good(self):
         """No device lives for longer than one submission."""
-        process, window = self.start(self.avatar, "--room", "none", "--size", "420x300")
+        process, window = self.start(self.avatar, "--room", "none", "--size", "420x300", "--hide-panels")
         try:
             self.wait("the avatar is in the window", lambda: self.figures("colour", self.capture(window, "lost.png"), 210, 170)[0] > 150)
             self.lose(1000)
