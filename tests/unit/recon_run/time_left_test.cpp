@@ -171,7 +171,7 @@ TEST(ProgressLine, fitsItsTerminal) {
 
 /** Seconds of a run from the training on, by the table of `standard`, on a machine on which a slow step takes stepS. */
 double fromTrainingOn(uint32_t steps, double stepS) {
-    const double train = 0.95 * stepS * steps, slower = 0.95 * stepS * 10000 / 530;
+    const double train = 0.76 * stepS * steps, slower = 0.76 * stepS * 10000 / 530;
     return train * (1 + 308.0 / 530) + slower * (30.4 + 72.5 + 50);
 }
 
