@@ -252,7 +252,8 @@ class Test:
 
     def capture(self, window, name):
         path = self.work / name
-        subprocess.run(["import", "-display", self.display.name, "-window", str(window), path], check=True)
+        # Of a window that is gone, `import` waits for somebody to click on another.
+        subprocess.run(["import", "-display", self.display.name, "-window", str(window), path], check=True, timeout=PATIENCE_S)
         return path
 
     def xdotool(self, *words):
