@@ -45,6 +45,8 @@ struct DeviceInfo {
     uint64_t maxBindingBytes = 0;    // of one storage buffer binding
     uint32_t maxTargetPx = 0;        // width or height of a target
     uint32_t maxGroups = 0;          // workgroups of one dispatch
+    uint32_t maxStorageBuffers = 0;  // that a compute kernel binds; at least 4. 0: not asked for
+    uint32_t maxSharedBytes = 0;     // of a workgroup; at least 16 KiB. 0: not asked for
     bool multiview = false;          // one draw fills all layers of a target; otherwise each layer needs its own draw
     bool viewsAreInstances = false;  // with multiview, the arguments of a draw count instances × views (Metal)
     bool halfDepth = false;          // depth sums are read back as 2 x f16 instead of 2 x f32

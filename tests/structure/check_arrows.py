@@ -27,7 +27,7 @@ WINGS = {
     "base": [],
     "input": ["cameras", "capture", "observe", "import"],
     "subject": ["shape", "body", "hands", "surface", "registration", "garments", "face", "sample"],
-    "training": ["correctives", "trainer"],
+    "training": ["correctives", "trainer", "gpu"],
     "output": ["package", "dress", "page"],
     "judging": ["coach", "report", "evidence", "ladder"],
     "run": [],
@@ -38,6 +38,7 @@ for wing, rooms in WINGS.items():
         RULES[f"reconstruction/{wing}/{name}"] = BELOW + [f"reconstruction/{wing}/{earlier}" for earlier in rooms[:place]]
     RULES[f"reconstruction/{wing}"] = list(BELOW)
     BELOW = BELOW + [f"reconstruction/{wing}"]
+RULES["reconstruction/training/gpu"] += ["sdk/backend", "sdk/render", "shaders/training/shared"]
 RULES["apps"] = ["apps", "platform", "reconstruction", "sdk/core", "sdk/math"]
 # The referee judges the fast code, so of that it may include only data types, file readers and what loading does to a file.
 RULES["apps/reference"] = ["sdk/core", "sdk/format", "sdk/avatar/cloth_bounds.h", "sdk/avatar/rig.h", "sdk/math/camera.h"]

@@ -88,6 +88,7 @@ Status run(const fs::path& root, const fs::path& cataloguePath, const fs::path& 
     std::set<std::string> dependencies = {cataloguePath.string()};
     ShaderPack pack;
     DPL_TRY(pack.interfaceHash, hashInterface(cataloguePath.parent_path() / "shared"));
+    const uint32_t mostStorageBuffers = catalogue.value("storageBuffers", 4u);  // the minimum of Vulkan 1.1
     for (const auto& entry : catalogue["shaders"]) {
         Shader shader;
         shader.name = entry.at("name").get<std::string>();
@@ -96,7 +97,7 @@ Status run(const fs::path& root, const fs::path& cataloguePath, const fs::path& 
         shader.stage = input.stage;
         input.defines = entry.value("defines", std::vector<std::string>{});
         DPL_TRY(shader.spirv, compileGlsl(input, dependencies));
-        DPL_RETURN_IF_ERROR(reflectShader(shader));
+        DPL_RETURN_IF_ERROR(reflectShader(shader, mostStorageBuffers));
         const MslOptions wanted{entry.value("multiview", false), entry.value("eachSample", false)};
         DPL_TRY(shader.mslIos, translateToMsl(shader, MslPlatform::Ios, wanted));
         DPL_TRY(shader.mslMacos, translateToMsl(shader, MslPlatform::Macos, wanted));
@@ -109,7 +110,7 @@ Status run(const fs::path& root, const fs::path& cataloguePath, const fs::path& 
         input.defines.push_back("DPL_TEXELS");
         Shader texels{.name = pack.shaders.back().name + std::string(kTexelsSuffix), .stage = input.stage};
         DPL_TRY(texels.spirv, compileGlsl(input, dependencies));
-        DPL_RETURN_IF_ERROR(reflectShader(texels));
+        DPL_RETURN_IF_ERROR(reflectShader(texels, mostStorageBuffers));
         if (std::any_of(texels.bindings.begin(), texels.bindings.end(), [](const ShaderBinding& b) { return b.texelWords > 0; }))
             pack.shaders.push_back(std::move(texels));
     }

@@ -95,7 +95,7 @@ uint32_t texelWordsOf(SpvImageFormat format) {
 
 }  // namespace
 
-Status reflectShader(Shader& shader) {
+Status reflectShader(Shader& shader, uint32_t mostStorageBuffers) {
     DPL_TRY(Module m, openModule(shader, SPVC_BACKEND_NONE));
     if (shader.stage == ShaderStage::Compute)
         for (unsigned i = 0; i < 3; ++i)
@@ -142,9 +142,8 @@ Status reflectShader(Shader& shader) {
             return fail(Code::InvalidArgument, "{}: bindings must be 0, 1, 2 ... without gaps or duplicates", shader.name);
     const auto storage =
         std::count_if(shader.bindings.begin(), shader.bindings.end(), [](auto& b) { return !b.uniform && !b.image && b.texelWords == 0; });
-    if (storage > 4)
-        return fail(Code::InvalidArgument, "{}: {} storage buffers, at most four per stage (the minimum of Vulkan 1.1)", shader.name,
-                    storage);
+    if (storage > mostStorageBuffers)
+        return fail(Code::InvalidArgument, "{}: {} storage buffers, at most {} per stage", shader.name, storage, mostStorageBuffers);
     for (const spvc_reflected_resource& r : resourcesOf(m, SPVC_RESOURCE_TYPE_PUSH_CONSTANT)) {
         size_t size = 0;
         spvc_compiler_get_declared_struct_size(m.compiler, spvc_compiler_get_type_handle(m.compiler, r.base_type_id), &size);

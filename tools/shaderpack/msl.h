@@ -9,8 +9,8 @@ namespace dpl {
 constexpr uint32_t kMslPushBuffer = 29;  // buffer index of push constants; binding b is buffer(b); SPIRV-Cross uses 24 and 25
 
 /** Fills workgroup, pushBytes, bindings and structs of `shader` from its SPIR-V. InvalidArgument: it breaks a limit, for example more than
- *  four storage buffers, more than 128 push-constant bytes, or gaps between bindings. */
-Status reflectShader(Shader& shader);
+ *  mostStorageBuffers, more than 128 push-constant bytes, or gaps between bindings. */
+Status reflectShader(Shader& shader, uint32_t mostStorageBuffers);
 
 enum class MslPlatform { Ios, Macos };
 

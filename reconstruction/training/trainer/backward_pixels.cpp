@@ -243,13 +243,9 @@ void PixelBackward::run(const SplatEngine& engine, const SplatImage& image, cons
 }
 
 ScreenGradient<float> screenGradient(const ProjectedSplat& p, const EntrySums& s) {
-    ScreenGradient<float> g;
-    g.x = -(p.conicA * s.sx + p.conicB * s.sy);
-    g.y = -(p.conicB * s.sx + p.conicC * s.sy);
-    g.conicA = 0.5f * s.sxx, g.conicB = s.sxy, g.conicC = 0.5f * s.syy;
-    g.opacity = p.opacity > 0 ? -s.s / p.opacity : 0.0f;
-    g.colour = {s.red, s.green, s.blue};
-    return g;
+    const auto g =
+        BackwardFormulas<float>::footprintGradient(p.conicA, p.conicB, p.conicC, p.opacity, s.s, s.sx, s.sy, s.sxx, s.sxy, s.syy);
+    return {g.x, g.y, g.conicA, g.conicB, g.conicC, g.opacity, {s.red, s.green, s.blue}};
 }
 
 uint64_t countPixelSplatPairs(const SplatEngine& engine, uint32_t widthPx, uint32_t heightPx) {

@@ -13,7 +13,7 @@ void SplatBackward::run(const SplatBackwardInput& in, bool geometry) {
     active_.resize(count);
     screenLength_.resize(count);
     if (geometry) corners_.resize(triangleCount * 3), lights_.resize(triangleCount * 3);
-    const ViewConstants<float> view(in.camera);
+    const auto view = backwardViewOf(in.camera);
     const uint32_t coefficients = shCoefficientCount(s.shDegree) * 3;
     constexpr size_t kTrianglesPerBlock = 512;
     jobs_.forRange(triangleCount, kTrianglesPerBlock, [&](size_t begin, size_t end, uint32_t) {

@@ -92,7 +92,7 @@ std::vector<double> backward(const Case& c) {
     s.x = w[0], s.y = w[1], s.conicA = w[2], s.conicB = w[3], s.conicC = w[4], s.opacity = w[5], s.colour = {w[6], w[7], w[8]};
     ParameterGradient<double> g;
     TriangleGradient<double> triangle;
-    backwardSplat(ViewConstants<double>(c.camera), frame, p, forwardOf(c).record, s, g, triangle);
+    backwardSplat(backwardViewOf(c.camera), frame, p, forwardOf(c).record, s, g, triangle);
     Vec3d corner[3];
     finishTriangle(frame, bindOf(c), nowOf(c), triangle, corner);
     std::vector<double> x{g.uv.x, g.uv.y, g.phi, g.logScale.x, g.logScale.y, g.opacity};
