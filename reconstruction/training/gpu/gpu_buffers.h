@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The buffers of a training step on a GPU, and the recorded step. Sizes are known before anything is made, so a device with too little
-// memory is refused before a run begins.
+// The buffers of a training on a GPU: those that hold the state between steps, and those of a picture, with the recorded step. Their sizes
+// follow from the numbers below alone.
 #pragma once
 
 #include "sdk/render/device_buffers.h"
@@ -9,50 +9,68 @@
 
 namespace dpl {
 
-/** What buffers must hold. Splats, triangles, vertices and floats are exact, because dispatches depend on them; the others may be larger
- *  than a picture needs. */
-struct GpuSizes {
+struct GpuStateSizes {
     uint32_t splats = 0, triangles = 0, vertices = 0;
     uint32_t shFloats = 0, rowFloats = 0;  // of a splat
-    uint64_t pixels = 0, tiles = 0, entries = 0;
+};
 
-    bool holds(const GpuSizes& other) const;
+/** What the buffers of a picture hold at most. */
+struct GpuPictureSizes {
+    uint64_t pixels = 0, tiles = 0, entries = 0;
+    bool holds(const GpuPictureSizes& o) const { return pixels >= o.pixels && tiles >= o.tiles && entries >= o.entries; }
 };
 
 /** A Device buffer that the host fills anew for each picture. */
 struct UploadedBuffer {
     BufferId host, device;
 };
-/** A Device buffer that the host reads after each picture. */
+/** A Device buffer that the host reads. */
 struct ReadBuffer {
     BufferId device, host;
 };
 
-struct GpuBuffers {
-    explicit GpuBuffers(Backend& backend) : backend_(backend), owned_(backend) {}
-    ~GpuBuffers();
-    GpuBuffers(const GpuBuffers&) = delete;
-    GpuBuffers& operator=(const GpuBuffers&) = delete;
+/** Between steps. Written by Backend::write(). */
+struct GpuState {
+    explicit GpuState(Backend& backend) : backend_(backend), owned_(backend) {}
+    ~GpuState();
+    Status make(const GpuStateSizes& sizes);
+    /** Records its frames (gpu_steps.cpp), once all that they read is written. */
+    Status record(const GpuStateSizes& sizes);
 
-    /** Makes the buffers and records the step. */
-    Status make(const GpuSizes& wanted);
+    BufferId splats, sh, constants, starts, incidence, cornersOf, corrections;
+    ReadBuffer rows, firstMoments, secondMoments, steps, densitySums, seen;
+    BufferId frame;    // mapped
+    FrameId activate;  // computes the linear values from the rows
+    FrameId readBack;  // copies the ReadBuffers to the host
 
-    GpuSizes sizes;
-    BufferId frame, depthCounts;  // mapped
-    UploadedBuffer splats, sh, triangles, rests, starts, floors, incidence, cornersOf, target;
-    BufferId screen, records, firsts, owners, entrySums, parts, corners;
+private:
+    Status add(ReadBuffer& buffer, const char* label, uint64_t bytes);
+    Backend& backend_;
+    DeviceBuffers owned_;
+};
+
+/** Of a picture. */
+struct GpuPicture {
+    explicit GpuPicture(Backend& backend) : backend_(backend), owned_(backend) {}
+    ~GpuPicture();
+    /** Makes the buffers and records the step with those of `state`, which must live as long. */
+    Status make(const GpuStateSizes& state, const GpuState& buffers, const GpuPictureSizes& sizes);
+
+    GpuPictureSizes sizes;
+    BufferId frame, depthCounts, rates;  // mapped
+    UploadedBuffer triangles, rests, target;
+    BufferId screen, records, firstEntries, owners, entrySums, parts, corners;
     BufferId image, cloths, stops, planes, blurred, maps, gradients;
     BufferId depthPairs, depthSwap, entryPairs, entrySwap, offsets, entries;
     TableIds digits, cells;
-    ReadBuffer counts, sums, rows, shown, vertices;
-    FrameId recorded;
+    ReadBuffer counts, sums, rowGradients, shown, vertices;
+    FrameId step, readGradients;
 
 private:
-    Status makeBuffers();
-    Status record();  // gpu_steps.cpp
-    Status upload(UploadedBuffer& buffer, const char* label, uint64_t bytes);
-    Status read(ReadBuffer& buffer, const char* label, uint64_t bytes);
-
+    Status makeBuffers(const GpuStateSizes& state);
+    Status record(const GpuStateSizes& state, const GpuState& buffers);  // gpu_steps.cpp
+    Status add(UploadedBuffer& buffer, const char* label, uint64_t bytes);
+    Status add(ReadBuffer& buffer, const char* label, uint64_t bytes);
     Backend& backend_;
     DeviceBuffers owned_;
 };

@@ -6,6 +6,8 @@
 namespace dpl {
 namespace {
 
+static_assert(offsetof(gpu::FrameCounts, tileEntries) == 4 * gpu::kTrainEntriesWord);
+
 constexpr uint32_t kDepthRounds = 4, kTileRounds = 2;  // digits of a float, and of the number of a tile
 
 /** Sorts by `rounds` digits from the lowest on; stable, so the order before decides ties. The result lies in `from`: rounds is even. */
@@ -28,15 +30,31 @@ void addSort(FramePlan& plan, const char* label, BufferId counts, const TableIds
 
 }  // namespace
 
-Status GpuBuffers::record() {
+Status GpuState::record(const GpuStateSizes& sizes) {
+    FramePlan activatePlan(backend_);
+    activatePlan.compute("activate", "activate")
+        .uniform(frame)
+        .updates(splats)
+        .writes(sh)
+        .updates(rows.device)
+        .reads(constants)
+        .threads(sizes.splats);
+    DPL_TRY(activate, activatePlan.finish());
+    FramePlan readPlan(backend_);
+    for (const ReadBuffer& b : {rows, firstMoments, secondMoments, steps, densitySums, seen}) readPlan.copy("read", b.device, b.host);
+    DPL_TRY(readBack, readPlan.finish());
+    return {};
+}
+
+Status GpuPicture::record(const GpuStateSizes& size, const GpuState& state) {
+    const uint32_t n = size.splats, scanRows = (n + gpu::kTrainScanCells - 1) / gpu::kTrainScanCells, pixels = uint32_t(sizes.pixels),
+                   tiles = uint32_t(sizes.tiles);
     FramePlan plan(backend_);
-    for (const UploadedBuffer& b : {splats, sh, triangles, rests, starts, floors, incidence, cornersOf, target})
-        plan.copy("upload", b.host, b.device);
-    const uint32_t n = sizes.splats, scanRows = (n + gpu::kTrainScanCells - 1) / gpu::kTrainScanCells, pixels = uint32_t(sizes.pixels);
+    for (const UploadedBuffer& b : {triangles, rests, target}) plan.copy("upload", b.host, b.device);
 
     plan.compute("project", "project")
         .uniform(frame)
-        .reads(splats.device, sh.device, triangles.device)
+        .reads(state.splats, state.sh, triangles.device)
         .writes(screen, records, depthPairs)
         .threads(n);
     addSort(plan, "sort by depth", depthCounts, digits, depthPairs, depthSwap, kDepthRounds, (n + gpu::kRun - 1) / gpu::kRun);
@@ -47,7 +65,7 @@ Status GpuBuffers::record() {
     plan.compute("entries", "entries")
         .uniform(frame)
         .reads(depthPairs, screen, cells.places)
-        .writes(entryPairs, owners, firsts)
+        .writes(entryPairs, owners, firstEntries)
         .threads(n);
     addSort(plan, "sort by tile", counts.device, digits, entryPairs, entrySwap, kTileRounds, 0);
     plan.fill("clear", offsets, 0);
@@ -56,17 +74,9 @@ Status GpuBuffers::record() {
         .reads(counts.device, entryPairs, owners)
         .writes(offsets, entries)
         .groupsFrom(counts.device, offsetof(gpu::FrameCounts, runGroupsX));
-    plan.compute("blend", "blend")
-        .uniform(frame)
-        .reads(offsets, entries, screen)
-        .writes(image, cloths, stops)
-        .groups(uint32_t(sizes.tiles));
+    plan.compute("blend", "blend").uniform(frame).reads(offsets, entries, screen).writes(image, cloths, stops).groups(tiles);
 
-    plan.compute("loss", "loss")
-        .uniform(frame)
-        .reads(image, cloths, target.device)
-        .writes(planes, gradients, sums.device)
-        .threads(pixels);
+    plan.compute("loss", "loss").uniform(frame).reads(image, cloths, target.device).writes(planes, gradients, sums.device).threads(pixels);
     plan.compute("ssim", "ssim.rows").uniform(frame).reads(planes).writes(blurred).threads(3 * pixels);
     plan.compute("ssim", "ssim.map").uniform(frame).reads(blurred).writes(maps, sums.device).threads(pixels);
     plan.compute("ssim", "ssim.back").uniform(frame).reads(maps).writes(blurred).threads(9 * pixels);
@@ -76,28 +86,37 @@ Status GpuBuffers::record() {
         .updates(gradients)
         .threads(pixels);
 
-    plan.compute("pixels", "pixels")
-        .uniform(frame)
-        .reads(offsets, entries, screen, gradients, stops)
-        .writes(entrySums)
-        .groups(uint32_t(sizes.tiles));
+    plan.compute("pixels", "pixels").uniform(frame).reads(offsets, entries, screen, gradients, stops).writes(entrySums).groups(tiles);
     plan.compute("splats", "splats")
         .uniform(frame)
-        .reads(splats.device, sh.device, triangles.device, screen, records, firsts, entrySums, floors.device)
-        .writes(rows.device, shown.device, parts)
+        .reads(state.splats, state.sh, triangles.device, screen, records, firstEntries, entrySums, state.constants, counts.device)
+        .writes(rowGradients.device, shown.device, parts)
         .threads(n);
     plan.compute("triangles", "triangles")
         .uniform(frame)
-        .reads(starts.device, shown.device, parts, triangles.device, rests.device)
+        .reads(state.starts, shown.device, parts, triangles.device, rests.device)
         .writes(corners)
-        .threads(sizes.triangles);
+        .threads(size.triangles);
     plan.compute("vertices", "vertices")
         .uniform(frame)
-        .reads(incidence.device, cornersOf.device, corners)
+        .reads(state.incidence, state.cornersOf, corners)
         .writes(vertices.device)
-        .threads(sizes.vertices);
-    for (const ReadBuffer& b : {counts, sums, rows, shown, vertices}) plan.copy("read", b.device, b.host);
-    DPL_TRY(recorded, plan.finish());
+        .threads(size.vertices);
+    plan.compute("adam", "adam")
+        .uniform(frame)
+        .updates(state.splats)
+        .writes(state.sh)
+        .updates(state.rows.device)
+        .reads(rowGradients.device, shown.device)
+        .updates(state.firstMoments.device, state.secondMoments.device, state.steps.device, state.densitySums.device, state.seen.device)
+        .reads(state.constants, rates, state.corrections)
+        .threads(n);
+    for (const ReadBuffer& b : {counts, sums, vertices}) plan.copy("read", b.device, b.host);
+    DPL_TRY(step, plan.finish());
+
+    FramePlan gradientsPlan(backend_);
+    for (const ReadBuffer& b : {rowGradients, shown}) gradientsPlan.copy("read gradients", b.device, b.host);
+    DPL_TRY(readGradients, gradientsPlan.finish());
     return {};
 }
 

@@ -120,8 +120,8 @@ inline Vec3<T> shBasisGradient(const Vec3<T>& d, uint32_t degree, const T* w) {
  *  `out` and adds to `triangle`. */
 template <class T>
 inline void backwardSplat(const typename BackwardFormulas<T>::BackwardView& view, const TriangleFrame<T>& frame,
-                          const SplatParameters<T>& splat, const ForwardRecord<T>& f, const ScreenGradient<T>& g,
-                          ParameterGradient<T>& out, TriangleGradient<T>& triangle) {
+                          const SplatParameters<T>& splat, const ForwardRecord<T>& f, const ScreenGradient<T>& g, ParameterGradient<T>& out,
+                          TriangleGradient<T>& triangle) {
     using B = BackwardFormulas<T>;
     auto world = B::footprintBackward(view, frame, splat.opacity, splat.singleFace, f, {g.x, g.y, g.conicA, g.conicB, g.conicC, g.opacity});
     const auto colour = B::colourBackward(f, g.colour);
@@ -149,7 +149,8 @@ template <class T>
 inline void finishTriangle(const TriangleFrame<T>& frame, const RestTriangle<T>& bind, const RestTriangle<T>& now,
                            const TriangleGradient<T>& g, Vec3<T>* corner) {
     const RestInverse<T>&b = bind.inverse, &r = now.valid ? now.inverse : b;
-    const auto edges = BackwardFormulas<T>::triangleBackward(frame, {b.i00, b.i01, b.i11}, {r.i00, r.i01, r.i11}, {g.f0, g.f1}, g.turn, g.shown);
+    const auto edges =
+        BackwardFormulas<T>::triangleBackward(frame, {b.i00, b.i01, b.i11}, {r.i00, r.i01, r.i11}, {g.f0, g.f1}, g.turn, g.shown);
     corner[0] = g.c0 - edges.d1 - edges.d2;
     corner[1] = g.c1 + edges.d1;
     corner[2] = g.c2 + edges.d2;

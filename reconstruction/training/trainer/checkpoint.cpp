@@ -204,6 +204,7 @@ uint64_t CoOptimiser::State::inputHash() const {
 }
 
 Status CoOptimiser::checkpoint(const std::filesystem::path& path) const {
+    if (state_->engineLost) return *state_->engineLost;
     Writer w;
     FieldWriter fields{w};
     if (Status written = visitLearned(state_->learned, state_->learned, fields); !written)
@@ -250,6 +251,7 @@ Result<CoOptimiser::State::Stored> CoOptimiser::State::read(const std::filesyste
 
 void CoOptimiser::State::adopt(Learned stored) {
     learned = std::move(stored);
+    engineCurrent = engineAhead = false;
     TrainableSplats& splats = learned.layer.splats;
     std::vector<float> rows = std::move(splats.rows);
     splats.resize(uint32_t(splats.triangle.size()), splats.shDegree);

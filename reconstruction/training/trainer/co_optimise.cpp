@@ -112,8 +112,9 @@ Status CoOptimiser::State::prepare() {
     return {};
 }
 
-Result<std::unique_ptr<CoOptimiser>> CoOptimiser::create(CoOptimiseInput input, const CoOptimiseSettings& settings, Jobs& jobs) {
-    auto state = std::make_unique<State>(std::move(input), settings, jobs);
+Result<std::unique_ptr<CoOptimiser>> CoOptimiser::create(CoOptimiseInput input, const CoOptimiseSettings& settings, Jobs& jobs,
+                                                         TrainingEngine* engine) {
+    auto state = std::make_unique<State>(std::move(input), settings, jobs, engine);
     DPL_RETURN_IF_ERROR(state->prepare());
     State& s = *state;
     const SeenMesh seen{s.input.joints, s.mesh, s.input.triangleLabel, s.input.frames};
@@ -128,8 +129,8 @@ Result<std::unique_ptr<CoOptimiser>> CoOptimiser::create(CoOptimiseInput input, 
 }
 
 Result<std::unique_ptr<CoOptimiser>> CoOptimiser::createFrom(CoOptimiseInput input, const SplatData& splats,
-                                                             const CoOptimiseSettings& settings, Jobs& jobs) {
-    auto state = std::make_unique<State>(std::move(input), settings, jobs);
+                                                             const CoOptimiseSettings& settings, Jobs& jobs, TrainingEngine* engine) {
+    auto state = std::make_unique<State>(std::move(input), settings, jobs, engine);
     DPL_RETURN_IF_ERROR(state->prepare());
     State& s = *state;
     const size_t n = splats.count();
@@ -219,9 +220,8 @@ Status CoOptimiser::State::stepOnce() {
     const Vec3f background(float(hashUniform(settings.seed, kBackgroundStream, at)),
                            float(hashUniform(settings.seed, kBackgroundStream, at + 1)),
                            float(hashUniform(settings.seed, kBackgroundStream, at + 2)));
-    const PassSubject subject{layer.splats, mesh, layer.correctives, input.joints, {bind, restNow}, incidence, input.light, normals};
     const bool geometry = settings.learnGeometry || settings.learnPoses || learnsCorrectives();
-    const LossValues loss = pass.run(subject, learned.frames[frame].pose, *level, weights, background, geometry);
+    DPL_TRY(const LossValues loss, passOf(frame, *level, weights, background));
     if (!std::isfinite(loss.total)) return fail(Code::Internal, "training step {} (frame '{}'): the loss is not finite", step, f.name);
 
     clock.start();
@@ -239,7 +239,9 @@ Status CoOptimiser::State::stepOnce() {
             d.seed = settings.seed, d.maxSplats = settings.maxSplats;
             const uint32_t start0 = settings.init.splatCount;
             d.maxGrowth = std::max(500u, settings.maxSplats > start0 ? 2 * (settings.maxSplats - start0) / settings.densityEvents : 500u);
+            DPL_RETURN_IF_ERROR(bringBack());
             densify(layer.splats, layer.adam, layer.statistics, bind, referenceSizeM, d, (step - first) / every);
+            engineCurrent = false;
         }
     }
     if (sums.steps >= std::max<uint32_t>(1, std::min<uint32_t>(100, settings.steps / 20)) || step == settings.steps) {
@@ -248,7 +250,7 @@ Status CoOptimiser::State::stepOnce() {
     }
     clock.lap(StepPart::Density);
     profile.stepMs += millisecondsSince(start), ++profile.steps;
-    if (counts) {  // the time of counting is not in stepMs
+    if (counts && !engine) {  // the time of counting is not in stepMs
         const SplatImage& image = pass.image();
         profile.pairs += double(countPixelSplatPairs(pass.engine(), image.widthPx, image.heightPx));
         profile.entries += pass.engine().tiles().offset.back(), profile.visible += pass.engine().visibleCount();
@@ -257,10 +259,45 @@ Status CoOptimiser::State::stepOnce() {
     return {};
 }
 
+Result<LossValues> CoOptimiser::State::passOf(uint32_t frame, const LevelFrame& level, const LossWeights& weights,
+                                              const Vec3f& background) {
+    LearnedLayer& layer = learned.layer;
+    const PassSubject subject{layer.splats, mesh, layer.correctives, input.joints, {bind, restNow}, incidence, input.light, normals};
+    const bool geometry = settings.learnGeometry || settings.learnPoses || learnsCorrectives();
+    const Pose& pose = learned.frames[frame].pose;
+    if (!engine) return pass.run(subject, pose, level, weights, background, geometry);
+    if (engineLost) return *engineLost;
+    const auto lose = [this](const Error& error) {
+        engineLost = error;
+        return error;
+    };
+    if (!engineCurrent)
+        if (Status taken = engine->upload({layer.splats, layer.adam, layer.statistics, learns, referenceSizeM, incidence}); !taken)
+            return lose(taken.error());
+    engineCurrent = true;
+    const SplatUpdate update = splatUpdate(frame, level);
+    const auto loss = pass.run(subject, pose, level, weights, background, geometry, *engine, settings.learnSplats ? &update : nullptr);
+    if (!loss) return lose(loss.error());
+    engineAhead |= settings.learnSplats;
+    return *loss;
+}
+
+Status CoOptimiser::State::bringBack() {
+    if (engineLost) return *engineLost;
+    if (!engineAhead) return {};
+    LearnedLayer& layer = learned.layer;
+    if (Status back = engine->download(layer.splats, layer.adam, layer.statistics); !back) {
+        engineLost = back.error();
+        return back;
+    }
+    engineAhead = false;
+    return {};
+}
+
 void CoOptimiser::State::updateAll(uint32_t frame, const LevelFrame& level, double loss) {
     constexpr size_t kAlone = 3, kGrain = 2048;  // updates that one thread computes; splats a block
     const SplatUpdate update = splatUpdate(frame, level);
-    const uint32_t count = settings.learnSplats ? learned.layer.splats.count() : 0;
+    const uint32_t count = settings.learnSplats && !engine ? learned.layer.splats.count() : 0;
     double aloneMs[kAlone] = {};
     bool moved = false;
     jobs.forBlocks(kAlone + (count + kGrain - 1) / kGrain, [&](size_t block, uint32_t) {
@@ -282,9 +319,10 @@ void CoOptimiser::State::updateAll(uint32_t frame, const LevelFrame& level, doub
     pass.clock.lap(StepPart::Offsets);
 }
 
-CoOptimiser::State::SplatUpdate CoOptimiser::State::splatUpdate(uint32_t frame, const LevelFrame& level) {
+SplatUpdate CoOptimiser::State::splatUpdate(uint32_t frame, const LevelFrame& level) {
     const TrainableSplats& splats = learned.layer.splats;
     SplatUpdate update;
+    update.regularise = settings.regularise;
     update.counts = input.frames[frame].kind != FrameKind::Dynamic || onlyMoving;
     update.halfHeight = 0.5f * float(level.camera.fy) / float(input.frames[frame].camera.fy) * float(input.frames[frame].camera.heightPx);
     std::vector<float>& rate = update.rate;
@@ -311,7 +349,7 @@ void CoOptimiser::State::updateSplats(const SplatUpdate& update, size_t begin, s
     const auto length = b.screenGradientLength();
     const auto active = b.active();
     for (size_t i = begin; i < end; ++i) active[i] = active[i] && learns[splats.triangle[i]];
-    addSplatRegularisers(splats, referenceSizeM, active, settings.regularise, begin, end, rows);
+    addSplatRegularisers(splats, referenceSizeM, active, update.regularise, begin, end, rows);
     for (size_t i = begin; i < end; ++i) {
         if (!active[i]) continue;
         float* row = rows.data() + i * splats.stride;
@@ -462,10 +500,13 @@ Status CoOptimiser::run(uint32_t maxSteps) {
     State& s = *state_;
     const Learned& now = s.learned;
     for (uint32_t done = 0; now.step < s.settings.steps && done < maxSteps; ++done) {
-        DPL_RETURN_IF_ERROR(taskAt(double(now.step) / s.settings.steps, s.told()));
+        if (Status heard = taskAt(double(now.step) / s.settings.steps, s.told()); !heard) {
+            DPL_RETURN_IF_ERROR(s.bringBack());
+            return heard;
+        }
         DPL_RETURN_IF_ERROR(s.stepOnce());
     }
-    return {};
+    return s.bringBack();
 }
 
 const std::vector<CurvePoint>& CoOptimiser::curve() const {

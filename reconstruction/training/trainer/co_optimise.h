@@ -16,7 +16,7 @@
 #include "reconstruction/training/trainer/init.h"
 #include "reconstruction/training/trainer/level_frames.h"
 #include "reconstruction/training/trainer/priors.h"
-#include "reconstruction/training/trainer/regularisers.h"
+#include "reconstruction/training/trainer/training_engine.h"
 
 namespace dpl {
 
@@ -97,14 +97,19 @@ struct CoOptimiseResult {
 
 class CoOptimiser {
 public:
-    /** Checks the input and makes the state before the first step. Errors name the frame or the array. `jobs` must outlive the trainer. */
-    static Result<std::unique_ptr<CoOptimiser>> create(CoOptimiseInput input, const CoOptimiseSettings& settings, Jobs& jobs);
+    /** Checks the input and makes the state before the first step. Errors name the frame or the array. `jobs` and `engine` must outlive the
+     *  trainer. engine: keeps, draws and updates the splats; null: the CPU does. */
+    static Result<std::unique_ptr<CoOptimiser>> create(CoOptimiseInput input, const CoOptimiseSettings& settings, Jobs& jobs,
+                                                       TrainingEngine* engine = nullptr);
     /** Like create(), but starts from given splats, which are bound to input.mesh. Polish uses it. */
     static Result<std::unique_ptr<CoOptimiser>> createFrom(CoOptimiseInput input, const SplatData& splats,
-                                                           const CoOptimiseSettings& settings, Jobs& jobs);
+                                                           const CoOptimiseSettings& settings, Jobs& jobs,
+                                                           TrainingEngine* engine = nullptr);
     ~CoOptimiser();
 
-    /** Steps until the end, or for maxSteps steps. Cancelled: the task of this thread was; another run() continues. */
+    /** Steps until the end, or for maxSteps steps. Cancelled: the task of this thread was; another run() continues. Device, OutOfMemory:
+     * the engine failed, and took the splats since the last run() with it; then checkpoint() fails too, and what is left is to start from
+     * the last one. */
     Status run(uint32_t maxSteps = ~0u);
     bool finished() const;
     uint32_t step() const;

@@ -13,13 +13,19 @@
 namespace dpl {
 
 struct CoOptimiser::State {
-    State(CoOptimiseInput in, const CoOptimiseSettings& s, Jobs& j)
-        : input(std::move(in)), settings(s), jobs(j), levels(input.frames, s.init.clothLabels, input.levelBoundBytes, j), pass(j) {}
+    State(CoOptimiseInput in, const CoOptimiseSettings& s, Jobs& j, TrainingEngine* e)
+        : input(std::move(in)),
+          settings(s),
+          jobs(j),
+          engine(e),
+          levels(input.frames, s.init.clothLabels, input.levelBoundBytes, j),
+          pass(j) {}
 
     // Constant during the run.
     const CoOptimiseInput input;
     const CoOptimiseSettings settings;
     Jobs& jobs;
+    TrainingEngine* const engine;           // null: the CPU
     std::vector<RestTriangle<float>> bind;  // of the template, before offsets
     std::vector<float> referenceSizeM;      // per triangle, for the scale hinge and splits
     std::vector<uint8_t> learns;            // per triangle: splats of unseen triangles of the body stay as they started
@@ -33,7 +39,10 @@ struct CoOptimiser::State {
     std::vector<uint64_t> pictureHashes;  // of every frame its image, its mask and its labels
     bool onlyMoving = false;              // no still frame is used
 
-    Learned learned;  // what a checkpoint stores
+    Learned learned;             // what a checkpoint stores
+    bool engineCurrent = false;  // the engine has the splats of `learned`, or those that later steps made of them
+    bool engineAhead = false;    // it has later ones
+    std::optional<Error> engineLost;
 
     // Derived from the members above.
     MeshData mesh;                             // input.mesh with the learned offsets ΔVˢ added
@@ -70,12 +79,10 @@ struct CoOptimiser::State {
     /** Updates everything from the gradients of the step. What one thread computes runs beside the splats: none reads what another writes.
      */
     void updateAll(uint32_t frame, const LevelFrame& level, double loss);
-    /** What the updates of all splats share. */
-    struct SplatUpdate {
-        bool counts = false;  // towards density control
-        float halfHeight = 0;
-        std::vector<float> rate;
-    };
+    /** Draws the picture of a frame, and propagates its gradient back. An engine also updates the splats. */
+    Result<LossValues> passOf(uint32_t frame, const LevelFrame& level, const LossWeights& weights, const Vec3f& background);
+    /** Splats, moments and statistics of `learned` as the last step left them. */
+    Status bringBack();
     SplatUpdate splatUpdate(uint32_t frame, const LevelFrame& level);
     void updateSplats(const SplatUpdate& update, size_t begin, size_t end);
     void updatePose(uint32_t frame, const LevelFrame& level, double loss);

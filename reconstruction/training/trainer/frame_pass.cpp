@@ -3,10 +3,23 @@
 
 namespace dpl {
 
+void FramePass::poseSubject(const PassSubject& s, const Pose& pose) {
+    posed_.pose({s.joints, s.mesh, s.correctives, s.rest, &s.light, s.normals}, pose, jobs_);
+}
+
+void FramePass::backwardMesh(const PassSubject& s, const Pose& pose) {
+    backwardSceneLight(posed_, gLight_);
+    backwardSkin(s.mesh, s.joints, posed_, gPosed_, jobs_, gRest_, poseGradient_);
+    gNodes_.clear();
+    if (s.correctives.empty()) return;
+    gatherNodes(s.correctives, posed_.nodes(), gRest_, gLight_, gNodes_);
+    addCorrectivePoseGradient(s.correctives, pose, gNodes_, poseGradient_.rotation);
+}
+
 LossValues FramePass::run(const PassSubject& s, const Pose& pose, const LevelFrame& level, const LossWeights& weights,
                           const Vec3f& background, bool geometry) {
     clock.start();
-    posed_.pose({s.joints, s.mesh, s.correctives, s.rest, &s.light, s.normals}, pose, jobs_);
+    poseSubject(s, pose);
     clock.lap(StepPart::Pose);
     engine_.project(s.splats.view(), posed_.frames(), level.camera, level.kappaPx2, /*compensated=*/true, /*record=*/true);
     clock.lap(StepPart::Project);
@@ -23,16 +36,28 @@ LossValues FramePass::run(const PassSubject& s, const Pose& pose, const LevelFra
     clock.lap(StepPart::Splats);
     if (geometry) {
         splatBackward_.gatherVertices(s.incidence, gPosed_, gLight_);
-        backwardSceneLight(posed_, gLight_);
-        backwardSkin(s.mesh, s.joints, posed_, gPosed_, jobs_, gRest_, poseGradient_);
-        gNodes_.clear();
-        if (!s.correctives.empty()) {
-            gatherNodes(s.correctives, posed_.nodes(), gRest_, gLight_, gNodes_);
-            addCorrectivePoseGradient(s.correctives, pose, gNodes_, poseGradient_.rotation);
-        }
+        backwardMesh(s, pose);
         clock.lap(StepPart::Mesh);
     }
     return v;
+}
+
+Result<LossValues> FramePass::run(const PassSubject& s, const Pose& pose, const LevelFrame& level, const LossWeights& weights,
+                                  const Vec3f& background, bool geometry, TrainingEngine& engine, const SplatUpdate* update) {
+    clock.start();
+    poseSubject(s, pose);
+    clock.lap(StepPart::Pose);
+    DPL_TRY(const LossValues loss,
+            engine.step({posed_.frames(), s.rest, level.camera, level.kappaPx2, level.target(), weights, background, update}));
+    clock.start();  // the engine has times of its own
+    if (geometry) {
+        const auto vertices = engine.vertexGradients();
+        gPosed_.resize(vertices.size()), gLight_.resize(vertices.size());
+        for (size_t v = 0; v < vertices.size(); ++v) gPosed_[v] = Vec3f(vertices[v]), gLight_[v] = vertices[v].w;
+        backwardMesh(s, pose);
+        clock.lap(StepPart::Mesh);
+    }
+    return loss;
 }
 
 }  // namespace dpl

@@ -8,6 +8,7 @@
 #include "reconstruction/training/trainer/losses.h"
 #include "reconstruction/training/trainer/step_clock.h"
 #include "reconstruction/training/trainer/train_images.h"
+#include "reconstruction/training/trainer/training_engine.h"
 #include "sdk/avatar/posed_mesh.h"
 
 namespace dpl {
@@ -32,6 +33,9 @@ public:
      *  poseGradient() and nodeGradient(). */
     LossValues run(const PassSubject& subject, const Pose& pose, const LevelFrame& level, const LossWeights& weights,
                    const Vec3f& background, bool geometry);
+    /** The same with an engine that holds subject.splats, and that updates them unless `update` is null. Errors: those of the engine. */
+    Result<LossValues> run(const PassSubject& subject, const Pose& pose, const LevelFrame& level, const LossWeights& weights,
+                           const Vec3f& background, bool geometry, TrainingEngine& engine, const SplatUpdate* update);
 
     SplatBackward& splatBackward() { return splatBackward_; }
     const std::vector<Vec3f>& restGradient() const { return gRest_; }
@@ -44,6 +48,10 @@ public:
     StepClock clock;  // of all passes so far; a training step adds its own parts
 
 private:
+    void poseSubject(const PassSubject& subject, const Pose& pose);
+    /** From the gradients on posed vertices to those of mesh, pose and nodes. */
+    void backwardMesh(const PassSubject& subject, const Pose& pose);
+
     Jobs& jobs_;
     SplatEngine engine_;
     PictureLoss loss_;

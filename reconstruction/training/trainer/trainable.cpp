@@ -6,22 +6,23 @@
 
 namespace dpl {
 
+namespace {
+
+/** activate.inl as C++. */
+struct Activation {
+    using real = float;
+    using real2 = Vec2f;
+    static float max(float a, float b) { return std::max(a, b); }
+    static float min(float a, float b) { return std::min(a, b); }
+#define DPL_FN static inline
+#include "reconstruction/training/trainer/activate.inl"
+#undef DPL_FN
+};
+
+}  // namespace
+
 Vec2f projectToSimplex(Vec2f uv) {
-    // b already lies in the plane b0 + b1 + b2 = 1, so the projection clips negative coordinates and takes the excess from the others.
-    float b[3] = {1 - uv.x - uv.y, uv.x, uv.y};
-    // 1 − u − v of a projected point may be −1e-7 by rounding. Accepting it makes the projection idempotent, so that a restored run gives
-    // the same bytes.
-    if (b[0] >= -1e-6f && b[1] >= 0 && b[2] >= 0) return uv;
-    float sorted[3] = {b[0], b[1], b[2]};
-    std::sort(sorted, sorted + 3, [](float a, float c) { return a > c; });
-    float sum = 0, shift = 0;
-    for (int k = 0; k < 3; ++k) {
-        sum += sorted[k];
-        const float candidate = (sum - 1) / float(k + 1);
-        if (sorted[k] - candidate > 0) shift = candidate;
-    }
-    for (float& x : b) x = std::max(0.0f, x - shift);
-    return {b[1], b[2]};
+    return Activation::nearestOnTriangle(uv);
 }
 
 void TrainableSplats::resize(uint32_t count, uint32_t degree) {

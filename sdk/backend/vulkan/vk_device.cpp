@@ -167,7 +167,8 @@ void describe(const Functions& vk, VkPhysicalDevice physical, uint32_t queueFami
     out.info.maxTargetPx =
         std::min({properties.limits.maxImageDimension2D, properties.limits.maxFramebufferWidth, properties.limits.maxFramebufferHeight});
     out.info.maxGroups = properties.limits.maxComputeWorkGroupCount[0];
-    out.info.maxStorageBuffers = std::min(properties.limits.maxPerStageDescriptorStorageBuffers, properties.limits.maxDescriptorSetStorageBuffers);
+    out.info.maxStorageBuffers =
+        std::min(properties.limits.maxPerStageDescriptorStorageBuffers, properties.limits.maxDescriptorSetStorageBuffers);
     out.info.maxSharedBytes = properties.limits.maxComputeSharedMemorySize;
     out.info.multiview = multiview.multiview == VK_TRUE;
     out.info.halfDepth = !canBlend(vk, physical, VK_FORMAT_R32G32_SFLOAT, VK_FORMAT_FEATURE_TRANSFER_SRC_BIT);

@@ -14,17 +14,19 @@ layout(std430, binding = 4) readonly buffer ScreenBlock { TrainScreen screen[]; 
 layout(std430, binding = 5) readonly buffer RecordBlock { ForwardRecord records[]; };
 layout(std430, binding = 6) readonly buffer FirstBlock { uint firsts[]; };
 layout(std430, binding = 7) readonly buffer EntrySumBlock { TrainEntrySums entrySums[]; };
-layout(std430, binding = 8) readonly buffer FloorBlock { float floorsM[]; };       // in-plane size floor of each triangle
-layout(std430, binding = 9) writeonly buffer RowBlock { float rows[]; };           // gradients; columns as in trainable.h
-layout(std430, binding = 10) writeonly buffer ShownBlock { float shown[]; };       // |gradient on the centre|, per pixel; negative: inactive
-layout(std430, binding = 11) writeonly buffer PartBlock { vec4 parts[]; };         // kTrainTriangleFours a splat
+layout(std430, binding = 8) readonly buffer ConstantBlock { TrainTriangleConstants constants[]; };
+layout(std430, binding = 9) readonly buffer CountsBlock { uint counts[]; };  // FrameCounts, whose header names a TriangleFrame of its own
+layout(std430, binding = 10) writeonly buffer RowBlock { float rows[]; };      // gradients; columns as in trainable.h
+layout(std430, binding = 11) writeonly buffer ShownBlock { float shown[]; };   // |gradient on the centre|, per pixel; negative: inactive
+layout(std430, binding = 12) writeonly buffer PartBlock { vec4 parts[]; };         // kTrainTriangleFours a splat
 
 void main() {
     uint i = gl_GlobalInvocationID.x;
     if (i >= frame.splatCount) return;
     TrainScreen p = screen[i];
     TrainEntrySums sum = TrainEntrySums(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0);
-    for (uint k = 0u; k < p.tileCount; ++k) {
+    uint entryCount = counts[kTrainEntriesWord] <= frame.entryCapacity ? p.tileCount : 0u;  // lists that were too short hold nothing
+    for (uint k = 0u; k < entryCount; ++k) {
         TrainEntrySums e = entrySums[firsts[i] + k];
         sum.s += e.s;
         sum.sx += e.sx;
@@ -71,7 +73,7 @@ void main() {
         world = directionBackward(world, t, f, gRest);
     }
     PlacementGradient place = placementBackward(t, f, world, colour.light);
-    float floor2 = floorsM[s.triangle] * floorsM[s.triangle], first2 = s.scale1M * s.scale1M, second2 = s.scale2M * s.scale2M;
+    float floorM = constants[s.triangle].floorM, floor2 = floorM * floorM, first2 = s.scale1M * s.scale1M, second2 = s.scale2M * s.scale2M;
     rows[row] = place.uv.x;
     rows[row + 1u] = place.uv.y;
     rows[row + 2u] = place.phi;

@@ -5,24 +5,34 @@
 //     ─sort► splats, nearest first ─count, scan, entries► pairs (tile, place of the entry by splat) ─sort, ranges► entries by tile
 //     ─blend► pixels ─loss, ssim► gradient of each pixel ─pixels► TrainEntrySums by splat ─splats► gradient rows, TrainTriangleGradient
 //     ─triangles► gradients of corners ─vertices► gradients of posed vertices
+//     gradient rows ─adam► rows, TrainSplat, sh
 #ifndef DPL_SHARED_TRAIN_H
 #define DPL_SHARED_TRAIN_H
 #include "shaders/shared/shim.h"
 DPL_SHARED_BEGIN
 
 DPL_CONST uint kTrainTilePx = 16u;
-DPL_CONST uint kTrainTilePixels = 256u;  // also the workgroup of blend and pixels
-DPL_CONST uint kTrainGroup = 128u;       // workgroup of all other kernels, unless they say otherwise
-DPL_CONST uint kTrainScanCells = 256u;   // cells of a row of the scanned table of entries by splat
-DPL_CONST uint kTrainBatch = 64u;        // entries that a tile loads at a time
+DPL_CONST uint kTrainTilePixels = 256u;     // also the workgroup of blend and pixels
+DPL_CONST uint kTrainGroup = 128u;          // workgroup of all other kernels, unless they say otherwise
+DPL_CONST uint kTrainScanCells = 256u;      // cells of a row of the scanned table of entries by splat
+DPL_CONST uint kTrainBatch = 64u;           // entries that a tile loads at a time
+DPL_CONST uint kTrainEntriesWord = 21u;     // of FrameCounts.tileEntries
 DPL_CONST uint kTrainHidden = 0xFFFFFFFFu;  // depth of a splat that is not drawn: no float is as large
-DPL_CONST uint kTrainSingleFace = 1u;    // TrainSplat.flags
+DPL_CONST uint kTrainSingleFace = 1u;       // TrainSplat.flags
 DPL_CONST uint kTrainCloth = 2u;
-DPL_CONST uint kTrainValid = 1u;         // TrainTriangle.flags
+DPL_CONST uint kTrainValid = 1u;  // TrainTriangle.flags
 DPL_CONST uint kTrainBounded = 2u;
-DPL_CONST uint kTrainPictureWords = 3u;  // of a pixel: (r, g, b, mask), (cloth, shown, unsure, -), (r, g, b, -) of what lies behind
-DPL_CONST uint kTrainSums = 6u;          // of a workgroup of loss: L1, mask, cloth, squared error, its count, SSIM
-DPL_CONST uint kTrainTriangleFours = 6u; // of a splat's part of the gradients of its triangle
+DPL_CONST uint kTrainPictureWords = 3u;   // of a pixel: (r, g, b, mask), (cloth, shown, unsure, -), (r, g, b, -) of what lies behind
+DPL_CONST uint kTrainSums = 6u;           // of a workgroup of loss: L1, mask, cloth, squared error, its count, SSIM
+DPL_CONST uint kTrainTriangleFours = 6u;  // of a splat's part of the gradients of its triangle
+
+// Of TrainableSplats and AdamRows; reconstruction/training/gpu/gpu_engine.cpp asserts that they agree.
+DPL_CONST float kTrainMinLogScale = -9.0;
+DPL_CONST float kTrainMaxLogScale = -2.3;
+DPL_CONST float kTrainMaxLogit = 8.0;
+DPL_CONST float kTrainBeta1 = 0.9;
+DPL_CONST float kTrainBeta2 = 0.999;
+DPL_CONST uint kTrainLastCorrection = 20001u;
 
 struct TrainFrame {
     vec4 viewFromWorldRow0;  // rows of [R | t]
@@ -53,9 +63,13 @@ struct TrainFrame {
     float edgeMaskWeight;
     uint hasShown;  // the target has `shown`, `unsure` and what lies behind
     uint hasUnsure;
-    uint pad0;
+    uint updates;        // 0: splats stay as they are
+    uint countsDensity;  // the picture counts towards density control
+    float halfHeight;
+    float sizeTerm;  // weights of the terms on a splat's size, over the number of splats
+    float anisotropyTerm;
 };
-DPL_SHARED_SIZE(TrainFrame, 192)
+DPL_SHARED_SIZE(TrainFrame, 208)
 
 struct TrainSplat {  // linear values
     float u;
@@ -83,11 +97,20 @@ struct TrainTriangle {  // TriangleFrame<float>
 };
 DPL_SHARED_SIZE(TrainTriangle, 144)
 
-struct TrainRest {  // D⁻¹ = [i00 i01; 0 i11] of a triangle: of the one that splat sizes refer to, and of the one that stretch is measured from
+struct TrainRest {  // D⁻¹ = [i00 i01; 0 i11] of a triangle: of the one that splat sizes refer to, and of the one that stretch is measured
+                    // from
     float bind00, bind01, bind11;
     float now00, now01, now11;
 };
 DPL_SHARED_SIZE(TrainRest, 24)
+
+struct TrainTriangleConstants {
+    float floorM;      // in-plane size floor
+    float referenceM;  // size that splats are compared with
+    uint learns;       // 0: its splats stay as they started
+    uint pad0;
+};
+DPL_SHARED_SIZE(TrainTriangleConstants, 16)
 
 struct TrainScreen {  // a projected splat; opacity 0: not drawn
     float x, y, conicA, conicB;

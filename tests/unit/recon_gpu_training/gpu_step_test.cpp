@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // The kernels of a training step against the trainer on the CPU, which the gradient tests hold against finite differences in double.
-#include "reconstruction/training/gpu/gpu_pass.h"
-
 #include <random>
 
 #include "reconstruction/training/trainer/backward_splats.h"
 #include "reconstruction/training/trainer/train_images.h"
 #include "sdk/avatar/posed_mesh.h"
+#include "tests/unit/recon_gpu_training/test_engine.h"
 #include "tests/unit/recon_trainer/toy_scene.h"
 
 namespace dpl::test {
@@ -19,27 +18,11 @@ constexpr double kRelative = 1e-3, kCosine = 0.9999;
 // against itself, with the subject moved by 10 nm, gave 4e-4, and against the kernels 1.5e-3.
 constexpr double kRelativeOfFewPixels = 1.0 / 255;
 
-/** The device of the tests, with validation where the layer is installed; null, with the reason printed, where there is none. */
-GpuPass* device() {
-    static std::shared_ptr<std::atomic<uint32_t>> messages = std::make_shared<std::atomic<uint32_t>>(0);
-    static const auto made = [] {
-        vk::DeviceRequest request;
-        request.allowSoftware = true, request.validationMessages = messages;
-        if (const char* name = std::getenv("DOPPEL_VULKAN_DEVICE")) request.name = name;
-        auto pass = GpuPass::create(request);
-        if (!pass && pass.error().code == Code::NotFound) request.validationMessages.reset(), pass = GpuPass::create(request);
-        if (!pass) std::printf("[   NOTE   ] %s\n", pass.error().message.c_str());
-        return pass ? std::move(*pass) : nullptr;
-    }();
-    EXPECT_EQ(*messages, 0u) << "validation messages so far";
-    return made.get();
-}
-
 /** One picture of a subject in a pose, and what it is compared with. */
 struct Picture {
     std::vector<JointData> joints;
-    MeshData mesh;      // as splat sizes refer to it
-    MeshData moved;     // the same with offsets learned
+    MeshData mesh;   // as splat sizes refer to it
+    MeshData moved;  // the same with offsets learned
     TrainableSplats splats;
     Pose pose;
     LevelFrame level;
@@ -86,24 +69,32 @@ Gradients onCpu(const Picture& p) {
     return out;
 }
 
-Result<Gradients> onGpu(GpuPass& pass, const Picture& p) {
+Result<Gradients> onGpu(GpuEngine& engine, const Picture& p) {
     Jobs jobs(1);
     const auto bind = restTriangles(p.mesh), now = restTriangles(p.moved);
     PosedMesh posed;
     posed.pose({p.joints, p.moved, {}, {bind, now}}, p.pose, jobs);
     const VertexIncidence incidence(p.mesh.triangles, p.mesh.restPositions.size());
-    DPL_TRY(const GpuPassResult r, pass.run({p.splats, posed.frames(), {bind, now}, incidence, p.level.camera, p.level.kappaPx2,
-                                             p.level.target(), p.weights, p.background}));
+    const size_t triangles = p.mesh.triangles.size();
+    AdamRows adam;
+    DensityStatistics statistics;
+    adam.resize(p.splats.count(), p.splats.stride), statistics.resize(p.splats.count());
+    const std::vector<uint8_t> learns(triangles, 1);
+    const std::vector<float> referenceSizeM(triangles, 0.01f);
+    DPL_RETURN_IF_ERROR(engine.upload({p.splats, adam, statistics, learns, referenceSizeM, incidence}));
     Gradients out;
-    out.loss = r.loss, out.entries = r.entries;
-    out.rows.assign(r.rowGradients.begin(), r.rowGradients.end());
-    for (const float length : r.screenLength) {
+    DPL_TRY(out.loss,
+            engine.step({posed.frames(), {bind, now}, p.level.camera, p.level.kappaPx2, p.level.target(), p.weights, p.background}));
+    out.entries = engine.entries();
+    for (const Vec4f& v : engine.vertexGradients()) out.vertices.insert(out.vertices.end(), {v.x, v.y, v.z, v.w});
+    DPL_TRY(const GpuGradients g, engine.gradients());
+    out.rows.assign(g.rows.begin(), g.rows.end());
+    for (const float length : g.screenLength) {
         out.active.push_back(length >= 0);
         out.screenLength.push_back(length);
     }
     for (size_t i = 0; i < out.active.size(); ++i)
         if (!out.active[i]) std::fill_n(out.rows.begin() + long(i * p.splats.stride), p.splats.stride, 0.0f);
-    for (const Vec4f& v : r.vertices) out.vertices.insert(out.vertices.end(), {v.x, v.y, v.z, v.w});
     return out;
 }
 
@@ -125,10 +116,10 @@ void expectClose(const std::vector<float>& cpu, const std::vector<float>& gpu, s
 }
 
 void expectSame(const Picture& p, double relative = kRelative) {
-    GpuPass* pass = device();
-    if (!pass) GTEST_SKIP() << "no Vulkan device";
+    GpuEngine* engine = testEngine();
+    if (!engine) GTEST_SKIP() << "no Vulkan device";
     const Gradients cpu = onCpu(p);
-    const auto gpu = onGpu(*pass, p);
+    const auto gpu = onGpu(*engine, p);
     ASSERT_TRUE(gpu) << gpu.error().message;
     EXPECT_NEAR(gpu->loss.l1, cpu.loss.l1, 1e-5 * cpu.loss.l1);
     EXPECT_NEAR(gpu->loss.ssim, cpu.loss.ssim, 1e-5 * cpu.loss.ssim + 1e-7);
@@ -183,7 +174,7 @@ Picture toyPicture(uint32_t shDegree, uint32_t sizePx, uint32_t seed) {
     return p;
 }
 
-TEST(GpuPass, equalsTheTrainerOnTheCpuAtEachDegreeOfTheHarmonics) {
+TEST(GpuStep, equalsTheTrainerOnTheCpuAtEachDegreeOfTheHarmonics) {
     for (const uint32_t degree : {0u, 1u, 2u, 3u}) {
         SCOPED_TRACE(degree);
         expectSame(toyPicture(degree, 72, 3 + degree));
@@ -206,11 +197,12 @@ uint32_t longestTile(const Picture& p) {
     return longest;
 }
 
-TEST(GpuPass, equalsTheTrainerWhereManySplatsCoverAPixel) {
+TEST(GpuStep, equalsTheTrainerWhereManySplatsCoverAPixel) {
     Picture p = toyPicture(1, 72, 11);
     for (uint32_t i = 0; i < p.splats.count(); ++i) {  // tiles then hold more entries than the ring of a workgroup
         float* row = p.splats.rows.data() + size_t(i) * p.splats.stride;
-        row[kRowOpacityLogit] = 0.2f * row[kRowOpacityLogit] - 3, row[kRowLogScale1] = std::log(0.08f), row[kRowLogScale2] = std::log(0.06f);
+        row[kRowOpacityLogit] = 0.2f * row[kRowOpacityLogit] - 3, row[kRowLogScale1] = std::log(0.08f),
+        row[kRowLogScale2] = std::log(0.06f);
     }
     Jobs jobs(1);
     p.splats.activateAll(jobs);
@@ -218,7 +210,7 @@ TEST(GpuPass, equalsTheTrainerWhereManySplatsCoverAPixel) {
     expectSame(p);
 }
 
-TEST(GpuPass, equalsTheTrainerOnNeedlesEdgesAndOpaqueSplats) {
+TEST(GpuStep, equalsTheTrainerOnNeedlesEdgesAndOpaqueSplats) {
     Picture p = toyPicture(1, 90, 17);
     for (uint32_t i = 0; i < p.splats.count(); ++i) {
         float* row = p.splats.rows.data() + size_t(i) * p.splats.stride;
@@ -231,7 +223,7 @@ TEST(GpuPass, equalsTheTrainerOnNeedlesEdgesAndOpaqueSplats) {
     expectSame(p, kRelativeOfFewPixels);
 }
 
-TEST(GpuPass, equalsTheTrainerWhereTrianglesAreStretchedBeyondTheirBounds) {
+TEST(GpuStep, equalsTheTrainerWhereTrianglesAreStretchedBeyondTheirBounds) {
     Picture p = toyPicture(1, 72, 23);
     p.pose.localRotations[1] = glm::angleAxis(2.4f, glm::normalize(Vec3f(1, 0.3f, 0.2f)));
     Jobs jobs(1);
@@ -242,7 +234,7 @@ TEST(GpuPass, equalsTheTrainerWhereTrianglesAreStretchedBeyondTheirBounds) {
     expectSame(p);
 }
 
-TEST(GpuPass, equalsTheTrainerWithAnUnsureEdgeAndWithoutLabels) {
+TEST(GpuStep, equalsTheTrainerWithAnUnsureEdgeAndWithoutLabels) {
     Picture p = toyPicture(1, 72, 29);
     p.level.cloth.clear();
     const size_t pixels = p.level.mask.size();
@@ -254,36 +246,36 @@ TEST(GpuPass, equalsTheTrainerWithAnUnsureEdgeAndWithoutLabels) {
         }
     p.level.edgeMaskWeight = 0.25f;
     p.weights.cloth = 0;
-    GpuPass* pass = device();
-    if (!pass) GTEST_SKIP() << "no Vulkan device";
+    GpuEngine* engine = testEngine();
+    if (!engine) GTEST_SKIP() << "no Vulkan device";
     expectSame(p);
 }
 
-TEST(GpuPass, givesTheSameBytesAgainAndAfterAnotherPicture) {
-    GpuPass* pass = device();
-    if (!pass) GTEST_SKIP() << "no Vulkan device";
+TEST(GpuStep, givesTheSameBytesAgainAndAfterAnotherPicture) {
+    GpuEngine* engine = testEngine();
+    if (!engine) GTEST_SKIP() << "no Vulkan device";
     const Picture p = toyPicture(2, 72, 31), other = toyPicture(2, 90, 37);
-    const auto first = onGpu(*pass, p);
+    const auto first = onGpu(*engine, p);
     ASSERT_TRUE(first) << first.error().message;
-    ASSERT_TRUE(onGpu(*pass, other));
-    const auto second = onGpu(*pass, p);
+    ASSERT_TRUE(onGpu(*engine, other));
+    const auto second = onGpu(*engine, p);
     ASSERT_TRUE(second) << second.error().message;
     EXPECT_EQ(first->rows, second->rows);
     EXPECT_EQ(first->vertices, second->vertices);
     EXPECT_EQ(first->loss.total, second->loss.total);
 }
 
-TEST(GpuPass, refusesWhatDoesNotFit) {
-    GpuPass* pass = device();
-    if (!pass) GTEST_SKIP() << "no Vulkan device";
+TEST(GpuStep, refusesWhatDoesNotFit) {
+    GpuEngine* engine = testEngine();
+    if (!engine) GTEST_SKIP() << "no Vulkan device";
     Picture p = toyPicture(1, 72, 41);
     p.level.mask.pop_back();
-    const auto wrong = onGpu(*pass, p);
+    const auto wrong = onGpu(*engine, p);
     ASSERT_FALSE(wrong);
     EXPECT_EQ(wrong.error().code, Code::InvalidArgument);
     Picture wide = toyPicture(1, 72, 41);
     wide.level.widthPx = wide.level.camera.widthPx = 70000, wide.level.heightPx = wide.level.camera.heightPx = 257;
-    const auto tooMany = onGpu(*pass, wide);
+    const auto tooMany = onGpu(*engine, wide);
     ASSERT_FALSE(tooMany);
 }
 

@@ -1,0 +1,295 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "reconstruction/training/gpu/gpu_engine.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+
+#include "sdk/math/projection.h"
+
+namespace dpl {
+namespace training {  // generated from shaders/training
+std::span<const uint8_t> shaderPack();
+uint64_t shaderInterface();
+}  // namespace training
+
+namespace {
+
+static_assert(gpu::kTrainMinLogScale == kMinLogScale && gpu::kTrainMaxLogScale == kMaxLogScale && gpu::kTrainMaxLogit == kMaxOpacityLogit);
+static_assert(gpu::kTrainBeta1 == kAdamBeta1 && gpu::kTrainBeta2 == kAdamBeta2 && gpu::kTrainLastCorrection == kLastCorrection);
+
+constexpr uint64_t kMostTiles = 65536;         // two digits of the sort
+constexpr uint64_t kFirstEntriesPerSplat = 4;  // of the lists before a picture has shown how many are needed
+
+template <class T>
+T* mappedAs(Backend& backend, BufferId buffer) {
+    return reinterpret_cast<T*>(backend.mapped(buffer).data());
+}
+
+uint32_t tilesAlong(uint32_t px) {
+    return (px + gpu::kTrainTilePx - 1) / gpu::kTrainTilePx;
+}
+
+gpu::vec4 rowOf(const Cameraf& camera, int row) {
+    const Mat3f& r = camera.viewFromWorldRotation;
+    return {r[0][row], r[1][row], r[2][row], camera.viewFromWorldTranslation[row]};
+}
+
+/** The parts of a frame that the state does not decide. */
+gpu::TrainFrame frameOf(const EngineStep& in, uint32_t splats) {
+    const Cameraf& c = in.camera;
+    const auto lens = lensOf(c);
+    const Vec3f eye = c.eye();
+    const double pixels = double(in.target.widthPx) * in.target.heightPx;
+    gpu::TrainFrame f{};
+    f.viewFromWorldRow0 = rowOf(c, 0), f.viewFromWorldRow1 = rowOf(c, 1), f.viewFromWorldRow2 = rowOf(c, 2);
+    f.eye = {eye.x, eye.y, eye.z, 0};
+    f.background = {in.background.x, in.background.y, in.background.z, 0};
+    f.focalPx = {lens.focalPx.x, lens.focalPx.y}, f.centrePx = {lens.centrePx.x, lens.centrePx.y};
+    f.minSlope = {lens.minSlope.x, lens.minSlope.y}, f.maxSlope = {lens.maxSlope.x, lens.maxSlope.y};
+    f.kappaPx2 = in.kappaPx2;
+    f.widthPx = in.target.widthPx, f.heightPx = in.target.heightPx;
+    f.columns = tilesAlong(f.widthPx), f.tiles = f.columns * tilesAlong(f.heightPx);
+    f.l1Step = float(in.weights.l1 / (pixels * 3)), f.maskStep = float(in.weights.mask / pixels);
+    f.clothStep = in.target.cloth.empty() ? 0.0f : float(in.weights.cloth / pixels);
+    f.ssimStep = float(-double(in.weights.ssim) / (pixels * 3));
+    f.edgeMaskWeight = in.target.edgeMaskWeight;
+    f.hasShown = !in.target.shown.empty(), f.hasUnsure = !in.target.unsure.empty();
+    if (in.update) {
+        f.updates = 1, f.countsDensity = in.update->counts, f.halfHeight = in.update->halfHeight;
+        f.sizeTerm = in.update->regularise.scaleHinge / float(splats), f.anisotropyTerm = in.update->regularise.anisotropy / float(splats);
+    }
+    return f;
+}
+
+gpu::TrainTriangle triangleOf(const TriangleFrame<float>& t) {
+    const Mat3f& r = t.worldFromRest;
+    gpu::TrainTriangle out{};
+    out.v0X = t.v0.x, out.v0Y = t.v0.y, out.v0Z = t.v0.z, out.shown = t.shown;
+    out.v1X = t.v1.x, out.v1Y = t.v1.y, out.v1Z = t.v1.z;
+    out.flags = (t.valid ? gpu::kTrainValid : 0) | (t.bounded ? gpu::kTrainBounded : 0);
+    out.v2X = t.v2.x, out.v2Y = t.v2.y, out.v2Z = t.v2.z, out.light0 = t.light.x;
+    out.f0X = t.f0.x, out.f0Y = t.f0.y, out.f0Z = t.f0.z, out.light1 = t.light.y;
+    out.f1X = t.f1.x, out.f1Y = t.f1.y, out.f1Z = t.f1.z, out.light2 = t.light.z;
+    out.normalX = t.normal.x, out.normalY = t.normal.y, out.normalZ = t.normal.z;
+    out.restX0 = r[0].x, out.restX1 = r[0].y, out.restX2 = r[0].z;
+    out.restY0 = r[1].x, out.restY1 = r[1].y, out.restY2 = r[1].z;
+    out.restZ0 = r[2].x, out.restZ1 = r[2].y, out.restZ2 = r[2].z;
+    return out;
+}
+
+uint32_t bytes4(uint8_t a, uint8_t b, uint8_t c, uint8_t d) {
+    return uint32_t(a) | uint32_t(b) << 8 | uint32_t(c) << 16 | uint32_t(d) << 24;
+}
+
+void packTarget(const PictureTarget& t, uint32_t* words) {
+    const size_t pixels = size_t(t.widthPx) * t.heightPx;
+    const auto at = [](std::span<const uint8_t> plane, size_t i) { return plane.empty() ? uint8_t(0) : plane[i]; };
+    for (size_t i = 0; i < pixels; ++i, words += gpu::kTrainPictureWords) {
+        words[0] = bytes4(t.rgb[i], t.rgb[pixels + i], t.rgb[2 * pixels + i], t.mask[i]);
+        words[1] = bytes4(at(t.cloth, i), at(t.shown, i), at(t.unsure, i), 0);
+        words[2] = t.behind.empty() ? 0 : bytes4(t.behind[i], t.behind[pixels + i], t.behind[2 * pixels + i], 0);
+    }
+}
+
+/** By the number of steps: what undoes the bias of both moments. */
+std::vector<gpu::vec2> corrections() {
+    std::vector<gpu::vec2> table(kLastCorrection + 1, {1, 1});
+    for (uint32_t n = 1; n < kLastCorrection; ++n)
+        table[n] = {float(1 / (1 - std::pow(double(kAdamBeta1), double(n)))), float(1 / (1 - std::pow(double(kAdamBeta2), double(n))))};
+    return table;
+}
+
+template <class T>
+Status writeAll(Backend& backend, BufferId buffer, const std::vector<T>& values) {
+    return values.empty() ? Status() : backend.write(buffer, 0, std::as_bytes(std::span(values)));
+}
+
+template <class T>
+void readAll(Backend& backend, const ReadBuffer& buffer, std::vector<T>& values) {
+    if (!values.empty()) std::memcpy(values.data(), backend.mapped(buffer.host).data(), values.size() * sizeof(T));
+}
+
+}  // namespace
+
+GpuEngine::~GpuEngine() = default;
+
+Result<std::unique_ptr<GpuEngine>> GpuEngine::create(const vk::DeviceRequest& request) {
+    DPL_TRY(ShaderPack pack, readShaderPack(training::shaderPack(), "the shader pack of training", training::shaderInterface()));
+    size_t mostBuffers = 0, mostShared = 0;
+    for (const Shader& shader : pack.shaders) {
+        const auto storage =
+            std::count_if(shader.bindings.begin(), shader.bindings.end(), [](const ShaderBinding& b) { return !b.uniform; });
+        mostBuffers = std::max(mostBuffers, size_t(storage)), mostShared = std::max(mostShared, size_t(shader.sharedBytes));
+    }
+    DPL_TRY(auto backend, vk::createBackend(request, std::move(pack)));
+    const DeviceInfo& device = backend->info();
+    if (device.maxStorageBuffers < mostBuffers || device.maxSharedBytes < mostShared)
+        return fail(Code::Unsupported, "{} gives a kernel {} buffers and {} bytes of shared memory; training needs {} and {}", device.name,
+                    device.maxStorageBuffers, device.maxSharedBytes, mostBuffers, mostShared);
+    return std::unique_ptr<GpuEngine>(new GpuEngine(std::move(backend)));
+}
+
+std::string GpuEngine::name() const {
+    return backend_->info().name;
+}
+
+Status GpuEngine::upload(const EngineState& in) {
+    const TrainableSplats& s = in.splats;
+    const size_t n = s.count(), triangles = in.learns.size();
+    if (n == 0 || triangles == 0 || s.triangleStart.size() != triangles + 1 || s.sizeFloorM.size() != triangles ||
+        in.referenceSizeM.size() != triangles || in.incidence.corners.size() != triangles * 3 || in.adam.first.size() != s.rows.size() ||
+        in.adam.steps.size() != n || in.statistics.seen.size() != n)
+        return fail(Code::InvalidArgument, "the state of {} splats and {} triangles does not fit together", n, triangles);
+    GpuStateSizes sizes;
+    sizes.splats = uint32_t(n), sizes.triangles = uint32_t(triangles), sizes.vertices = uint32_t(in.incidence.offset.size() - 1);
+    sizes.shFloats = shCoefficientCount(s.shDegree) * 3, sizes.rowFloats = s.stride;
+    picture_.reset(), state_.reset();  // first, so that the device never holds two
+    auto made = std::make_unique<GpuState>(*backend_);
+    DPL_RETURN_IF_ERROR(made->make(sizes));
+
+    std::vector<gpu::TrainSplat> splats(n, gpu::TrainSplat{});  // the rest follows from the rows
+    for (size_t i = 0; i < n; ++i) {
+        if (s.flags[i] & kSplatSingleFace) splats[i].flags |= gpu::kTrainSingleFace;
+        if (s.flags[i] & kSplatCloth) splats[i].flags |= gpu::kTrainCloth;
+        splats[i].triangle = s.triangle[i];
+    }
+    std::vector<gpu::TrainTriangleConstants> constants(triangles);
+    for (size_t t = 0; t < triangles; ++t) constants[t] = {s.sizeFloorM[t], in.referenceSizeM[t], uint32_t(in.learns[t] != 0), 0};
+    DPL_RETURN_IF_ERROR(writeAll(*backend_, made->splats, splats));
+    DPL_RETURN_IF_ERROR(writeAll(*backend_, made->constants, constants));
+    DPL_RETURN_IF_ERROR(writeAll(*backend_, made->starts, s.triangleStart));
+    DPL_RETURN_IF_ERROR(writeAll(*backend_, made->incidence, in.incidence.offset));
+    DPL_RETURN_IF_ERROR(writeAll(*backend_, made->cornersOf, in.incidence.corners));
+    DPL_RETURN_IF_ERROR(writeAll(*backend_, made->corrections, corrections()));
+    DPL_RETURN_IF_ERROR(writeAll(*backend_, made->rows.device, s.rows));
+    DPL_RETURN_IF_ERROR(writeAll(*backend_, made->firstMoments.device, in.adam.first));
+    DPL_RETURN_IF_ERROR(writeAll(*backend_, made->secondMoments.device, in.adam.second));
+    DPL_RETURN_IF_ERROR(writeAll(*backend_, made->steps.device, in.adam.steps));
+    DPL_RETURN_IF_ERROR(writeAll(*backend_, made->densitySums.device, in.statistics.gradientSum));
+    DPL_RETURN_IF_ERROR(writeAll(*backend_, made->seen.device, in.statistics.seen));
+    DPL_RETURN_IF_ERROR(made->record(sizes));
+    gpu::TrainFrame frame{};
+    frame.splatCount = sizes.splats, frame.shFloats = sizes.shFloats, frame.rowFloats = sizes.rowFloats;
+    std::memcpy(backend_->mapped(made->frame).data(), &frame, sizeof frame);
+    DPL_RETURN_IF_ERROR(backend_->run(made->activate));
+    sizes_ = sizes, shDegree_ = s.shDegree, state_ = std::move(made);
+    return {};
+}
+
+Status GpuEngine::checkStep(const EngineStep& in) const {
+    if (!state_) return fail(Code::InvalidArgument, "the engine holds no splats yet");
+    const size_t triangles = sizes_.triangles, pixels = size_t(in.target.widthPx) * in.target.heightPx;
+    if (in.frames.size() != triangles || in.rest.bind.size() != triangles || !(in.rest.now.empty() || in.rest.now.size() == triangles))
+        return fail(Code::InvalidArgument, "a picture of {} triangles for an engine that holds {}", in.frames.size(), triangles);
+    if (pixels == 0 || in.target.rgb.size() != 3 * pixels || in.target.mask.size() != pixels || in.camera.widthPx != in.target.widthPx ||
+        in.camera.heightPx != in.target.heightPx)
+        return fail(Code::InvalidArgument, "the target does not fit its {} pixels or its camera", pixels);
+    for (const auto plane : {in.target.cloth, in.target.shown, in.target.unsure})
+        if (!plane.empty() && plane.size() != pixels) return fail(Code::InvalidArgument, "a plane of the target is not complete");
+    if (!in.target.unsure.empty() && in.target.behind.size() != 3 * pixels)
+        return fail(Code::InvalidArgument, "the target lacks what lies behind its edge");
+    const uint64_t tiles = uint64_t(tilesAlong(in.target.widthPx)) * tilesAlong(in.target.heightPx);
+    if (tiles > kMostTiles)
+        return fail(Code::InvalidArgument, "a picture of {} × {} pixels has more than {} tiles", in.target.widthPx, in.target.heightPx,
+                    kMostTiles);
+    if (in.update && in.update->rate.size() != sizes_.rowFloats)
+        return fail(Code::InvalidArgument, "{} learning rates for rows of {}", in.update->rate.size(), sizes_.rowFloats);
+    return {};
+}
+
+Status GpuEngine::holdPicture(const GpuPictureSizes& needed) {
+    if (picture_ && picture_->sizes.holds(needed)) return {};
+    GpuPictureSizes wanted = needed;
+    if (picture_) {
+        wanted.pixels = std::max(wanted.pixels, picture_->sizes.pixels), wanted.tiles = std::max(wanted.tiles, picture_->sizes.tiles);
+        wanted.entries = std::max(wanted.entries, picture_->sizes.entries);
+    }
+    picture_.reset();
+    auto made = std::make_unique<GpuPicture>(*backend_);
+    DPL_RETURN_IF_ERROR(made->make(sizes_, *state_, wanted));
+    picture_ = std::move(made);
+    return {};
+}
+
+void GpuEngine::fill(const EngineStep& in) const {
+    Backend& b = *backend_;
+    gpu::TrainFrame frame = frameOf(in, sizes_.splats);
+    frame.splatCount = sizes_.splats, frame.triangleCount = sizes_.triangles, frame.vertexCount = sizes_.vertices;
+    frame.shDegree = shDegree_, frame.shFloats = sizes_.shFloats, frame.rowFloats = sizes_.rowFloats;
+    frame.entryCapacity = uint32_t(picture_->sizes.entries);
+    std::memcpy(b.mapped(picture_->frame).data(), &frame, sizeof frame);
+    gpu::FrameCounts counts{};
+    counts.visible = sizes_.splats, counts.runs = (sizes_.splats + gpu::kRun - 1) / gpu::kRun;
+    std::memcpy(b.mapped(picture_->depthCounts).data(), &counts, sizeof counts);
+    if (in.update) std::memcpy(b.mapped(picture_->rates).data(), in.update->rate.data(), in.update->rate.size() * sizeof(float));
+    auto* triangle = mappedAs<gpu::TrainTriangle>(b, picture_->triangles.host);
+    auto* rest = mappedAs<gpu::TrainRest>(b, picture_->rests.host);
+    for (size_t t = 0; t < in.frames.size(); ++t) {
+        triangle[t] = triangleOf(in.frames[t]);
+        const RestTriangle<float>& bind = in.rest.bind[t];
+        const RestTriangle<float>& now = in.rest.now.empty() || !in.rest.now[t].valid ? bind : in.rest.now[t];
+        rest[t] = {bind.inverse.i00, bind.inverse.i01, bind.inverse.i11, now.inverse.i00, now.inverse.i01, now.inverse.i11};
+    }
+    packTarget(in.target, mappedAs<uint32_t>(b, picture_->target.host));
+}
+
+LossValues GpuEngine::lossOf(const EngineStep& in) const {
+    const size_t pixels = size_t(in.target.widthPx) * in.target.heightPx, groups = (pixels + 255) / 256;
+    const float* sums = mappedAs<const float>(*backend_, picture_->sums.host);
+    double total[gpu::kTrainSums] = {};
+    for (size_t g = 0; g < groups; ++g)
+        for (size_t k = 0; k < gpu::kTrainSums; ++k) total[k] += double(sums[g * gpu::kTrainSums + k]);
+    LossValues v;
+    v.l1 = total[0] / double(pixels * 3), v.mask = total[1] / double(pixels), v.cloth = total[2] / double(pixels);
+    v.squaredError = total[3], v.squaredCount = total[4];
+    v.ssim = in.weights.ssim > 0 ? total[5] / double(pixels * 3) : 0;
+    v.total = in.weights.l1 * v.l1 + in.weights.ssim * v.ssim + in.weights.mask * v.mask;
+    if (!in.target.cloth.empty()) v.total += in.weights.cloth * v.cloth;
+    return v;
+}
+
+Result<LossValues> GpuEngine::step(const EngineStep& in) {
+    DPL_RETURN_IF_ERROR(checkStep(in));
+    GpuPictureSizes needed;
+    needed.pixels = uint64_t(in.target.widthPx) * in.target.heightPx;
+    needed.tiles = uint64_t(tilesAlong(in.target.widthPx)) * tilesAlong(in.target.heightPx);
+    needed.entries = picture_ ? 0 : kFirstEntriesPerSplat * sizes_.splats;
+    for (;;) {
+        DPL_RETURN_IF_ERROR(holdPicture(needed));
+        fill(in);
+        DPL_RETURN_IF_ERROR(backend_->run(picture_->step));
+        entries_ = mappedAs<const gpu::FrameCounts>(*backend_, picture_->counts.host)->tileEntries;
+        if (entries_ <= picture_->sizes.entries) return lossOf(in);
+        needed.entries = uint64_t(entries_) + entries_ / 4;  // once more, with lists that are long enough; nothing was updated
+    }
+}
+
+std::span<const Vec4f> GpuEngine::vertexGradients() const {
+    if (!picture_) return {};
+    return {mappedAs<const Vec4f>(*backend_, picture_->vertices.host), sizes_.vertices};
+}
+
+Result<GpuGradients> GpuEngine::gradients() {
+    if (!picture_) return fail(Code::InvalidArgument, "no step yet");
+    DPL_RETURN_IF_ERROR(backend_->run(picture_->readGradients));
+    return GpuGradients{{mappedAs<const float>(*backend_, picture_->rowGradients.host), size_t(sizes_.splats) * sizes_.rowFloats},
+                        {mappedAs<const float>(*backend_, picture_->shown.host), sizes_.splats}};
+}
+
+Status GpuEngine::download(TrainableSplats& splats, AdamRows& adam, DensityStatistics& statistics) {
+    if (!state_ || splats.count() != sizes_.splats || splats.stride != sizes_.rowFloats || adam.first.size() != splats.rows.size() ||
+        adam.steps.size() != splats.count() || statistics.seen.size() != splats.count())
+        return fail(Code::InvalidArgument, "the engine holds {} splats of another training", sizes_.splats);
+    DPL_RETURN_IF_ERROR(backend_->run(state_->readBack));
+    readAll(*backend_, state_->rows, splats.rows);
+    readAll(*backend_, state_->firstMoments, adam.first);
+    readAll(*backend_, state_->secondMoments, adam.second);
+    readAll(*backend_, state_->steps, adam.steps);
+    readAll(*backend_, state_->densitySums, statistics.gradientSum);
+    readAll(*backend_, state_->seen, statistics.seen);
+    splats.activate(0, splats.count());
+    return {};
+}
+
+}  // namespace dpl

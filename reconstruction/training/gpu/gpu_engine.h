@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: Apache-2.0
+// Training on a GPU by Vulkan compute (docs/reference/gpu-training.md). The splats, their rows and moments stay on the device; of a step
+// the posed triangles and the target go there, and the loss and the gradients of the posed vertices come back. The kernels are in
+// shaders/training, their order in gpu_steps.cpp.
+//
+// The same device gives the same bytes for the same calls: no sum depends on which lane comes first.
+#pragma once
+
+#include <memory>
+
+#include "reconstruction/training/gpu/gpu_buffers.h"
+#include "reconstruction/training/trainer/training_engine.h"
+#include "sdk/backend/vulkan/vk_open.h"
+
+namespace dpl {
+
+/** Gradients of the last step, for tests. */
+struct GpuGradients {
+    std::span<const float> rows;          // N × stride; rows of splats that no pixel shows hold anything
+    std::span<const float> screenLength;  // N: |∂loss/∂(centre on the screen)|, per pixel; negative: no pixel shows the splat
+};
+
+class GpuEngine final : public TrainingEngine {
+public:
+    /** A device of its own. Unsupported: no Vulkan, no device that fits the request, or one that binds too few buffers to a kernel. */
+    static Result<std::unique_ptr<GpuEngine>> create(const vk::DeviceRequest& request);
+    ~GpuEngine() override;
+
+    std::string name() const override;
+    Status upload(const EngineState& state) override;
+    Result<LossValues> step(const EngineStep& step) override;
+    std::span<const Vec4f> vertexGradients() const override;
+    Status download(TrainableSplats& splats, AdamRows& adam, DensityStatistics& statistics) override;
+
+    const DeviceInfo& device() const { return backend_->info(); }
+    /** Graphics memory of the state and of the largest picture so far. */
+    uint64_t residentBytes() const { return backend_->residentBytes(); }
+    /** Entries of the tile lists of the last step. */
+    uint32_t entries() const { return entries_; }
+    /** Valid until the next call. */
+    Result<GpuGradients> gradients();
+
+private:
+    explicit GpuEngine(std::unique_ptr<Backend> backend) : backend_(std::move(backend)) {}
+    Status checkStep(const EngineStep& step) const;
+    Status holdPicture(const GpuPictureSizes& needed);
+    void fill(const EngineStep& step) const;
+    LossValues lossOf(const EngineStep& step) const;
+
+    std::unique_ptr<Backend> backend_;
+    GpuStateSizes sizes_;
+    std::unique_ptr<GpuState> state_;
+    std::unique_ptr<GpuPicture> picture_;
+    uint32_t entries_ = 0, shDegree_ = 0;
+};
+
+}  // namespace dpl
