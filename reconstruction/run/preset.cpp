@@ -32,7 +32,7 @@ RunSettings settingsOf(const ReconstructOptions& options, std::span<const ScanLa
         s = withTrainingSteps(s, options.steps);
     else
         s.timeBudgetMinutes = options.timeBudgetMinutes;
-    s.checkpointS = options.checkpointS, s.from = options.from;
+    s.checkpointS = options.checkpointS, s.from = options.from, s.device = options.device;
     s.layers = !options.without.layers;
     if (options.without.largeSteps) s.training.smoothingLengthM = 0;
     if (options.without.light) s.training.rateNodeLight = 0, s.training.learnLight = false;
@@ -45,6 +45,14 @@ RunSettings withTrainingSteps(RunSettings settings, uint32_t steps) {
     settings.training.steps = steps;
     settings.polishSteps = std::min(settings.polishSteps, std::max(20u, steps / 10));
     return settings;
+}
+
+Result<TrainingDevice> parseTrainingDevice(const std::string& text) {
+    if (text == "cpu") return TrainingDevice{TrainingDevice::Kind::Cpu, {}};
+    if (text == "auto") return TrainingDevice{TrainingDevice::Kind::Auto, {}};
+    if (text == "gpu") return TrainingDevice{TrainingDevice::Kind::Gpu, {}};
+    if (text.size() > 4 && text.starts_with("gpu:")) return TrainingDevice{TrainingDevice::Kind::Gpu, text.substr(4)};
+    return fail(Code::InvalidArgument, "'{}' is no engine; cpu, gpu, gpu:NAME with a part of the GPU's name, and auto are", text);
 }
 
 }  // namespace dpl

@@ -16,6 +16,7 @@ struct RunSettings {
     CoOptimiseSettings training;
     double timeBudgetMinutes = 0;  // of the whole run; above 0: a timed probe chooses training.steps
     double checkpointS = 30;       // between checkpoints of training; no result depends on it
+    TrainingDevice device;         // of training
     std::filesystem::path from;    // a checkpoint of another run, from which training goes on; empty: it starts
     uint32_t polishSteps = 0;      // of colour, opacity and size, on the decoded avatar
     PoseFitSettings poseFit;       // of held-out frames

@@ -31,6 +31,16 @@ struct WithoutParts {
     bool gradientControl = false;  // close-ups count no more than other pictures
 };
 
+/** What computes the steps of training. The stages after it train on the CPU. */
+struct TrainingDevice {
+    enum class Kind : uint8_t { Cpu, Gpu, Auto };  // Auto: a GPU where there is one, but none that the CPU plays; else the CPU
+    Kind kind = Kind::Cpu;
+    std::string name;  // part of the GPU's name; empty: the best one
+};
+
+/** From "cpu", "gpu", "gpu:NAME" or "auto". InvalidArgument: anything else. */
+Result<TrainingDevice> parseTrainingDevice(const std::string& text);
+
 struct ReconstructOptions {
     std::filesystem::path scan;        // scan folder, nerfstudio or COLMAP folder, or a capture that is imported; empty with videos
     VideoSources videos;               // named by what they show; imported
@@ -44,6 +54,7 @@ struct ReconstructOptions {
     double timeBudgetMinutes = 0;  // of the whole run; 0: the preset's number of steps
     uint32_t steps = 0;            // of training; 0: the preset's number; above 0: the time budget is ignored
     std::filesystem::path from;    // a checkpoint of a stopped training of the same scan, which this one continues with its own settings
+    TrainingDevice device;
     uint64_t seed = 1;
     WithoutParts without;
     std::filesystem::path web;  // folder of the web module, with which the person of the report moves; empty: the picture stands still

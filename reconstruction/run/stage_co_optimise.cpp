@@ -19,6 +19,7 @@
 #include "reconstruction/run/training_shown.h"
 #include "reconstruction/training/correctives/corrective_model.h"
 #include "reconstruction/training/correctives/motion_model.h"
+#include "reconstruction/training/gpu/open_engine.h"
 #include "reconstruction/training/light/light_model.h"
 #include "reconstruction/training/trainer/profile_steps.h"
 #include "reconstruction/training/trainer/train_images.h"
@@ -56,7 +57,7 @@ Result<CoOptimiseInput> trainingInput(const FittedBody& body, const GarmentLayer
     return input;
 }
 
-constexpr const char *kStepsFile = "steps.txt", *kCheckpointFile = "checkpoint", *kTrainedFile = "trained.bin";
+constexpr const char *kStepsFile = "steps.txt", *kCheckpointFile = "checkpoint", *kTrainedFile = "trained.bin", *kEngineFile = "engine.txt";
 
 /** The number of steps that a probe found for this run. None before it. */
 std::optional<uint32_t> probedSteps(const std::filesystem::path& folder) {
@@ -65,12 +66,37 @@ std::optional<uint32_t> probedSteps(const std::filesystem::path& folder) {
     return uint32_t(std::max(1L, std::strtol(std::string(bytes->begin(), bytes->end()).c_str(), nullptr, 10)));
 }
 
+/** Who trains. */
+struct Trainers {
+    Jobs& jobs;
+    std::unique_ptr<TrainingEngine> engine;  // null: the CPU
+};
+
+/** The engine that the settings ask for, and a note which one it is. Errors: none that fits, unless the CPU will do as well. */
+Result<std::unique_ptr<TrainingEngine>> engineOf(const TrainingDevice& device, const StageContext& context) {
+    if (device.kind == TrainingDevice::Kind::Cpu) return std::unique_ptr<TrainingEngine>();
+    const bool mayFail = device.kind == TrainingDevice::Kind::Auto;
+    auto engine = openTrainingEngine({device.name, !mayFail});
+    if (!engine && !mayFail) return fail(engine.error().code, "--engine gpu: {}", engine.error().message);
+    if (!engine) {
+        context.progress.note(formatText("training on the CPU: {}", engine.error().message));
+        return std::unique_ptr<TrainingEngine>();
+    }
+    context.progress.note(formatText("training on {}", (*engine)->name()));
+    DPL_RETURN_IF_ERROR(writeFileAtomically(context.folder / kEngineFile, (*engine)->name()));
+    return engine;
+}
+
+bool isDeviceFault(Code code) {
+    return code == Code::Device || code == Code::OutOfMemory;
+}
+
 /** The steps with which the whole run keeps its time budget, by timing a short probe run of the slowest steps. spentS: of the budget, on
  * the stages before. The number is stored beside the checkpoint, so that a continued run uses the same one. */
-Result<uint32_t> stepsInBudget(const CoOptimiseInput& input, const RunSettings& settings, double spentS, Jobs& jobs,
+Result<uint32_t> stepsInBudget(const CoOptimiseInput& input, const RunSettings& settings, double spentS, const Trainers& trainers,
                                const StageContext& context) {
     if (const auto steps = probedSteps(context.folder)) return *steps;
-    DPL_TRY(auto probe, CoOptimiser::create(input, slowestSteps(settings.training), jobs));
+    DPL_TRY(auto probe, CoOptimiser::create(input, slowestSteps(settings.training), trainers.jobs, trainers.engine.get()));
     const auto start = std::chrono::steady_clock::now();
     DPL_RETURN_IF_ERROR(probe->run(kProbeSteps));
     const double probeS = secondsSince(start), leftS = settings.timeBudgetMinutes * 60 - spentS - probeS;
@@ -82,20 +108,32 @@ Result<uint32_t> stepsInBudget(const CoOptimiseInput& input, const RunSettings& 
     return steps;
 }
 
-Status train(CoOptimiseInput input, const RunSettings& settings, double spentS, Jobs& jobs, StageContext& context, TrainingShown shown) {
+Status train(const CoOptimiseInput& input, const RunSettings& settings, double spentS, Jobs& jobs, StageContext& context,
+             TrainingShown shown) {
     CoOptimiseSettings training = settings.training;
+    DPL_TRY(auto engine, engineOf(settings.device, context));
+    Trainers trainers{jobs, std::move(engine)};
     if (settings.timeBudgetMinutes > 0) {
-        DPL_TRY(training.steps, stepsInBudget(input, settings, spentS, jobs, context));
+        DPL_TRY(training.steps, stepsInBudget(input, settings, spentS, trainers, context));
     }
-    DPL_TRY(auto optimiser, CoOptimiser::create(std::move(input), training, jobs));
-    if (!settings.from.empty()) {
-        DPL_TRY(const std::string changes, optimiser->branch(settings.from));
-        context.progress.note(formatText("going on from step {} of {}; {}", optimiser->step(), settings.from.string(),
-                                         changes.empty() ? "nothing changed" : "changed: " + changes));
+    const auto trainOn = [&](TrainingEngine* with) -> Status {
+        DPL_TRY(auto optimiser, CoOptimiser::create(input, training, jobs, with));
+        if (!settings.from.empty()) {
+            DPL_TRY(const std::string changes, optimiser->branch(settings.from));
+            context.progress.note(formatText("going on from step {} of {}; {}", optimiser->step(), settings.from.string(),
+                                             changes.empty() ? "nothing changed" : "changed: " + changes));
+        }
+        DPL_RETURN_IF_ERROR(trainFromCheckpoint(*optimiser, context.folder / kCheckpointFile, settings.checkpointS, context.progress,
+                                                [&] { shown.after(*optimiser, training.steps); }));
+        return writeTrainedFile(optimiser->result(), context.folder / kTrainedFile);
+    };
+    Status trained = trainOn(trainers.engine.get());
+    if (!trained && trainers.engine && settings.device.kind == TrainingDevice::Kind::Auto && isDeviceFault(trained.error().code)) {
+        context.progress.note(
+            formatText("{}: {}; training goes on from its last checkpoint on the CPU", trainers.engine->name(), trained.error().message));
+        trained = trainOn(nullptr);
     }
-    DPL_RETURN_IF_ERROR(trainFromCheckpoint(*optimiser, context.folder / kCheckpointFile, settings.checkpointS, context.progress,
-                                            [&] { shown.after(*optimiser, training.steps); }));
-    return writeTrainedFile(optimiser->result(), context.folder / kTrainedFile);
+    return trained;
 }
 
 /** What is trained, from the artefacts that StageOf<Training> pulls. */
@@ -142,6 +180,7 @@ Status StageOf<Training>::inputs(StageInputs& in) {
     DPL_TRY([[maybe_unused]] const MetricCameras* cameras, in.part<MetricCameras>());
     in.value("training", table->trainingHash);
     in.value("settings", trainingInputs(*settings));
+    if (settings->device.kind == TrainingDevice::Kind::Gpu) in.value("engine", "gpu");
     if (!settings->from.empty()) {
         DPL_TRY(const std::string hash, hashFile(settings->from));
         in.value("from", hash);
@@ -169,7 +208,7 @@ Status StageOf<Training>::make(StageInputs& in, StageContext& context) {
     spentS += secondsSince(began);
     TrainingShown shown(context.progress.news(), input);
     shown.heldBack(*table);
-    DPL_RETURN_IF_ERROR(train(std::move(input), *settings, spentS, in.jobs(), context, std::move(shown)));
+    DPL_RETURN_IF_ERROR(train(input, *settings, spentS, in.jobs(), context, std::move(shown)));
     return dropCheckpoint();
 }
 
@@ -181,8 +220,11 @@ Result<Training> StageOf<Training>::read(StageInputs& in, const std::filesystem:
 
 Result<std::string> StageOf<Training>::keyAfter(StageInputs& in, const std::filesystem::path& folder, const std::string& key) {
     DPL_TRY(const RunSettings* settings, in.of<RunSettings>());
-    if (!(settings->timeBudgetMinutes > 0)) return key;
-    return hashText(key + " " + std::to_string(stepsTaken(*settings, folder)));
+    std::string after = key;
+    if (settings->timeBudgetMinutes > 0) after = hashText(after + " " + std::to_string(stepsTaken(*settings, folder)));
+    if (settings->device.kind == TrainingDevice::Kind::Auto && std::filesystem::exists(folder / kEngineFile))
+        after = hashText(after + " gpu");
+    return after;
 }
 
 Status StageOf<ProfiledTraining>::inputs(StageInputs& in) {

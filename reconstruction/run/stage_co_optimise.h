@@ -22,7 +22,8 @@ struct StageOf<Training> {
     static Status inputs(StageInputs& in);
     static Status make(StageInputs& in, StageContext& context);
     static Result<Training> read(StageInputs& in, const std::filesystem::path& folder);
-    /** With a time budget the number of steps is a result, and another run may have fitted in other steps. */
+    /** With a time budget the number of steps is a result, and with Kind::Auto the engine is: another run may have fitted in other steps,
+     * or have found no GPU. */
     static Result<std::string> keyAfter(StageInputs& in, const std::filesystem::path& folder, const std::string& key);
 };
 
