@@ -99,6 +99,7 @@ Status runTrainingBench(const TrainingBenchOptions& options) {
     double bytes = 0;
     for (size_t k = 0; k < kStepParts; ++k) {
         const PartTime& t = p.parts[k];
+        if (t.wall == 0) continue;  // of another engine
         const auto part = StepPart(k);
         const double share = sum.cpu > 0 ? t.cpu / sum.cpu : 0;
         bytes += bytesOf(part, made);
@@ -116,6 +117,11 @@ Status runTrainingBench(const TrainingBenchOptions& options) {
     }
     print("a step", p.stepMs, 1, sum, alone, bytes);
     std::printf("%s", kPartMeanings);
+    if (!made.passes.empty()) std::printf("\nPasses of the last step on the GPU, ms:\n");
+    for (const PassTime& pass : made.passes) {
+        std::printf("  %-24s %.3f\n", pass.label.c_str(), pass.milliseconds);
+        json += JsonRow().add("case", name).add("pass", pass.label).add("gpu_ms", pass.milliseconds).line();
+    }
     return options.jsonFile.empty() ? Status() : writeFileAtomically(options.jsonFile, json);
 }
 

@@ -7,7 +7,7 @@
 namespace dpl {
 
 struct TrainingBenchOptions {
-    ReconstructOptions reconstruct;  // scan, out, seed and threads are used; without a scan the procedural subject is trained on
+    ReconstructOptions reconstruct;  // scan, out, device, seed and threads are used; without a scan the procedural subject is trained on
     ProfiledSteps steps;
     std::string size = "378x504";  // of the procedural subject's pictures
     std::filesystem::path jsonFile;

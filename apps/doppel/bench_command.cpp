@@ -4,6 +4,7 @@
 #include "apps/bench/bench.h"
 #include "apps/bench/training.h"
 #include "apps/doppel/commands.h"
+#include "apps/doppel/scan_options.h"
 #include "apps/shared/checks.h"
 
 namespace dpl {
@@ -32,10 +33,11 @@ void addTrainingCommand(CLI::App& bench, CommandRun& run) {
     command->add_option("--threads", options->reconstruct.threadCount, "CPU threads; 0: one for each core")
         ->check(inRange(0, 256))
         ->capture_default_str();
+    addEngineOption(*command, options->reconstruct);
     command->add_option("--json", options->jsonFile, "Also write the figures to this file, as JSON lines");
     command->footer(
         "Examples:\n  doppel bench training\n  doppel bench training --size 1080x1440 --splats 300000 --steps 12\n"
-        "  doppel bench training scan -o ada --json steps.jsonl");
+        "  doppel bench training scan -o ada --json steps.jsonl\n  doppel bench training --engine gpu");
     command->callback([options, &run] {
         run = [options] {
             const Status done = runTrainingBench(*options);

@@ -40,17 +40,7 @@ void addReconstructCommand(CLI::App& app, CommandRun& run) {
     command->add_option("--checkpoint-every", options->checkpointS, "Seconds of training that a kill may lose")
         ->check(inRange(0.0, 1e5))
         ->capture_default_str();
-    const auto chooseEngine = [options](const std::string& text) {
-        auto device = parseTrainingDevice(text);
-        if (!device) throw CLI::ValidationError("--engine", device.error().message);
-        options->device = std::move(*device);
-    };
-    command
-        ->add_option_function<std::string>("--engine", chooseEngine,
-                                           "What trains: cpu; gpu, by Vulkan (gpu:NAME with a part of its name, where there are several); "
-                                           "auto, a GPU where there is one, and the CPU if it fails. New: it has run on emulated GPUs only")
-        ->type_name("cpu|gpu|gpu:NAME|auto")
-        ->default_str("cpu");
+    addEngineOption(*command, *options);
     command->add_option("--seed", options->seed, "Seed of every random choice; same seed, same bytes")
         ->check(isWholeNumber())
         ->capture_default_str();

@@ -37,4 +37,19 @@ inline void addScanOptions(CLI::App& command, ReconstructOptions& options, const
         ->capture_default_str();
 }
 
+/** --engine: what trains. */
+inline void addEngineOption(CLI::App& command, ReconstructOptions& options) {
+    const auto choose = [&options](const std::string& text) {
+        auto device = parseTrainingDevice(text);
+        if (!device) throw CLI::ValidationError("--engine", device.error().message);
+        options.device = std::move(*device);
+    };
+    command
+        .add_option_function<std::string>("--engine", choose,
+                                          "What trains: cpu; gpu, by Vulkan (gpu:NAME with a part of its name, where there are several); "
+                                          "auto, a GPU where there is one, and the CPU if it fails. New: it has run on emulated GPUs only")
+        ->type_name("cpu|gpu|gpu:NAME|auto")
+        ->default_str("cpu");
+}
+
 }  // namespace dpl

@@ -47,12 +47,4 @@ RunSettings withTrainingSteps(RunSettings settings, uint32_t steps) {
     return settings;
 }
 
-Result<TrainingDevice> parseTrainingDevice(const std::string& text) {
-    if (text == "cpu") return TrainingDevice{TrainingDevice::Kind::Cpu, {}};
-    if (text == "auto") return TrainingDevice{TrainingDevice::Kind::Auto, {}};
-    if (text == "gpu") return TrainingDevice{TrainingDevice::Kind::Gpu, {}};
-    if (text.size() > 4 && text.starts_with("gpu:")) return TrainingDevice{TrainingDevice::Kind::Gpu, text.substr(4)};
-    return fail(Code::InvalidArgument, "'{}' is no engine; cpu, gpu, gpu:NAME with a part of the GPU's name, and auto are", text);
-}
-
 }  // namespace dpl

@@ -2,6 +2,7 @@
 #include "reconstruction/run/profile_training.h"
 
 #include "reconstruction/run/preset.h"
+#include "reconstruction/run/training_device.h"
 #include "reconstruction/subject/sample/sample_frames.h"
 #include "reconstruction/training/correctives/corrective_model.h"
 #include "sdk/avatar/stress_poses.h"
@@ -36,7 +37,8 @@ Result<ProfiledTraining> profileTraining(const ReconstructOptions& options, uint
     DPL_TRY(CoOptimiseInput input, proceduralInput(scan, jobs));
     CoOptimiseSettings settings = settingsOf(options).training;
     settings.init.clothLabels = {kLabelTop, kLabelBottom}, settings.init.openLabels = {kLabelHair};
-    DPL_TRY(const ProfiledTraining made, profileSteps(std::move(input), settings, steps, jobs));
+    DPL_TRY(const auto engine, engineOf(options.device, progress));
+    DPL_TRY(const ProfiledTraining made, profileSteps(std::move(input), settings, steps, jobs, engine.get()));
     progress.endStage(formatText("{} of {}x{}", steps.steps, widthPx, heightPx));
     return made;
 }

@@ -16,10 +16,10 @@
 #include "reconstruction/run/stage_register.h"
 #include "reconstruction/run/time_left.h"
 #include "reconstruction/run/trained_file.h"
+#include "reconstruction/run/training_device.h"
 #include "reconstruction/run/training_shown.h"
 #include "reconstruction/training/correctives/corrective_model.h"
 #include "reconstruction/training/correctives/motion_model.h"
-#include "reconstruction/training/gpu/open_engine.h"
 #include "reconstruction/training/light/light_model.h"
 #include "reconstruction/training/trainer/profile_steps.h"
 #include "reconstruction/training/trainer/train_images.h"
@@ -72,21 +72,6 @@ struct Trainers {
     std::unique_ptr<TrainingEngine> engine;  // null: the CPU
 };
 
-/** The engine that the settings ask for, and a note which one it is. Errors: none that fits, unless the CPU will do as well. */
-Result<std::unique_ptr<TrainingEngine>> engineOf(const TrainingDevice& device, const StageContext& context) {
-    if (device.kind == TrainingDevice::Kind::Cpu) return std::unique_ptr<TrainingEngine>();
-    const bool mayFail = device.kind == TrainingDevice::Kind::Auto;
-    auto engine = openTrainingEngine({device.name, !mayFail});
-    if (!engine && !mayFail) return fail(engine.error().code, "--engine gpu: {}", engine.error().message);
-    if (!engine) {
-        context.progress.note(formatText("training on the CPU: {}", engine.error().message));
-        return std::unique_ptr<TrainingEngine>();
-    }
-    context.progress.note(formatText("training on {}", (*engine)->name()));
-    DPL_RETURN_IF_ERROR(writeFileAtomically(context.folder / kEngineFile, (*engine)->name()));
-    return engine;
-}
-
 bool isDeviceFault(Code code) {
     return code == Code::Device || code == Code::OutOfMemory;
 }
@@ -111,7 +96,10 @@ Result<uint32_t> stepsInBudget(const CoOptimiseInput& input, const RunSettings& 
 Status train(const CoOptimiseInput& input, const RunSettings& settings, double spentS, Jobs& jobs, StageContext& context,
              TrainingShown shown) {
     CoOptimiseSettings training = settings.training;
-    DPL_TRY(auto engine, engineOf(settings.device, context));
+    DPL_TRY(auto engine, engineOf(settings.device, context.progress));
+    if (engine) {
+        DPL_RETURN_IF_ERROR(writeFileAtomically(context.folder / kEngineFile, engine->name()));
+    }
     Trainers trainers{jobs, std::move(engine)};
     if (settings.timeBudgetMinutes > 0) {
         DPL_TRY(training.steps, stepsInBudget(input, settings, spentS, trainers, context));
@@ -236,7 +224,8 @@ Result<ProfiledTraining> StageOf<ProfiledTraining>::compute(StageInputs& in) {
     DPL_TRY(const ProfiledSteps* steps, in.of<ProfiledSteps>());
     DPL_TRY(const RunSettings* settings, in.of<RunSettings>());
     DPL_TRY(CoOptimiseInput input, inputOfStage(in));
-    return profileSteps(std::move(input), settings->training, *steps, in.jobs());
+    DPL_TRY(const auto engine, engineOf(settings->device, in.progress()));
+    return profileSteps(std::move(input), settings->training, *steps, in.jobs(), engine.get());
 }
 
 Status StageOf<SettingsAfterTraining>::inputs(StageInputs& in) {

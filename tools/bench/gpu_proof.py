@@ -3,7 +3,7 @@
 """The JSON of tools/prove-gpu, from the JSON lines of its benches.
 
     gpu_proof.py software FILE.jsonl    yes if the device of these frames is a driver on the CPU, otherwise no
-    gpu_proof.py report FOLDER ...      one JSON object of device.jsonl, frames.jsonl, ways.jsonl and writes.jsonl in FOLDER; a bench that failed
+    gpu_proof.py report FOLDER ...      one JSON object of device.jsonl, frames.jsonl, ways.jsonl, writes.jsonl and training.*.jsonl in FOLDER; a bench that failed
                                         left none
 """
 import argparse
@@ -47,6 +47,7 @@ def report(folder, options):
         "frames": [frame(row) for row in frames],
         "ways": rows_of(folder / "ways.jsonl"),
         "writes": rows_of(folder / "writes.jsonl"),
+        "training": {engine: rows_of(folder / f"training.{engine}.jsonl") for engine in ("gpu", "cpu", "2k")},
     }
 
 

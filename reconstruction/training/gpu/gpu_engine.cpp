@@ -270,6 +270,10 @@ std::span<const Vec4f> GpuEngine::vertexGradients() const {
     return {mappedAs<const Vec4f>(*backend_, picture_->vertices.host), sizes_.vertices};
 }
 
+std::vector<PassTime> GpuEngine::passTimes() {
+    return picture_ ? backend_->passTimes(picture_->step) : std::vector<PassTime>();
+}
+
 Result<GpuGradients> GpuEngine::gradients() {
     if (!picture_) return fail(Code::InvalidArgument, "no step yet");
     DPL_RETURN_IF_ERROR(backend_->run(picture_->readGradients));

@@ -30,6 +30,7 @@ public:
     Status upload(const EngineState& state) override;
     Result<LossValues> step(const EngineStep& step) override;
     std::span<const Vec4f> vertexGradients() const override;
+    std::vector<PassTime> passTimes() override;
     Status download(TrainableSplats& splats, AdamRows& adam, DensityStatistics& statistics) override;
 
     const DeviceInfo& device() const { return backend_->info(); }

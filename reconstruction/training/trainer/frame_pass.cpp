@@ -49,7 +49,7 @@ Result<LossValues> FramePass::run(const PassSubject& s, const Pose& pose, const 
     clock.lap(StepPart::Pose);
     DPL_TRY(const LossValues loss,
             engine.step({posed_.frames(), s.rest, level.camera, level.kappaPx2, level.target(), weights, background, update}));
-    clock.start();  // the engine has times of its own
+    clock.lap(StepPart::Engine);
     if (geometry) {
         const auto vertices = engine.vertexGradients();
         gPosed_.resize(vertices.size()), gLight_.resize(vertices.size());

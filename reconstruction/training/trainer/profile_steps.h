@@ -15,7 +15,8 @@ struct ProfiledSteps {
 /** The means of a step. */
 struct ProfiledTraining {
     StepProfile profile;
-    double loss = 0;  // at the end: whoever compares two programs sees that both computed the same
+    std::vector<PassTime> passes;  // of the engine's last step
+    double loss = 0;               // at the end: whoever compares two programs sees that both computed the same
     uint32_t splats = 0, rowFloats = 0, shFloats = 0, vertices = 0, triangles = 0, nodes = 0, frames = 0;
 };
 
@@ -23,6 +24,7 @@ struct ProfiledTraining {
 CoOptimiseSettings slowestSteps(CoOptimiseSettings training);
 
 /** Runs slowestSteps(settings) from the start, and measures them after the warm-up. Errors: those of the trainer. Cancelled. */
-Result<ProfiledTraining> profileSteps(CoOptimiseInput input, CoOptimiseSettings settings, const ProfiledSteps& steps, Jobs& jobs);
+Result<ProfiledTraining> profileSteps(CoOptimiseInput input, CoOptimiseSettings settings, const ProfiledSteps& steps, Jobs& jobs,
+                                      TrainingEngine* engine = nullptr);
 
 }  // namespace dpl

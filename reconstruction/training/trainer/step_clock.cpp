@@ -29,7 +29,8 @@ const char* nameOf(StepPart part) {
                                                        "garment collision",
                                                        "offsets: LargeSteps",
                                                        "corrective nodes",
-                                                       "density"};
+                                                       "density",
+                                                       "engine: project to Adam"};
     return kNames[size_t(part)];
 }
 

@@ -24,9 +24,10 @@ enum class StepPart : uint8_t {
     Collision,
     Offsets,
     Nodes,
-    Density
+    Density,
+    Engine  // in place of Project to Splats, and of Adam
 };
-constexpr size_t kStepParts = 15;
+constexpr size_t kStepParts = 16;
 
 /** For people: what the part does. */
 const char* nameOf(StepPart part);

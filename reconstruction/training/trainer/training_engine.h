@@ -8,6 +8,7 @@
 #include "reconstruction/training/trainer/density.h"
 #include "reconstruction/training/trainer/losses.h"
 #include "reconstruction/training/trainer/regularisers.h"
+#include "sdk/core/pass_time.h"
 #include "sdk/math/camera.h"
 
 namespace dpl {
@@ -55,6 +56,8 @@ public:
     virtual Result<LossValues> step(const EngineStep& step) = 0;
     /** V: ∂loss/∂(posed vertex), and in w ∂loss/∂(its brightness), of the last step. Valid until the next call. */
     virtual std::span<const Vec4f> vertexGradients() const = 0;
+    /** Times of the passes of the last step on the device; empty where it has no clock. */
+    virtual std::vector<PassTime> passTimes() = 0;
     /** The state back; its triangles and flags are those that were uploaded. */
     virtual Status download(TrainableSplats& splats, AdamRows& adam, DensityStatistics& statistics) = 0;
 };

@@ -93,6 +93,7 @@ public:
         return v;
     }
     std::span<const Vec4f> vertexGradients() const override { return vertices_; }
+    std::vector<PassTime> passTimes() override { return {}; }
     Status download(TrainableSplats&, AdamRows&, DensityStatistics&) override { return {}; }
 
 private:

@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "reconstruction/run/training_device.h"
+
+#include "reconstruction/training/gpu/open_engine.h"
+
+namespace dpl {
+
+Result<TrainingDevice> parseTrainingDevice(const std::string& text) {
+    if (text == "cpu") return TrainingDevice{TrainingDevice::Kind::Cpu, {}};
+    if (text == "auto") return TrainingDevice{TrainingDevice::Kind::Auto, {}};
+    if (text == "gpu") return TrainingDevice{TrainingDevice::Kind::Gpu, {}};
+    if (text.size() > 4 && text.starts_with("gpu:")) return TrainingDevice{TrainingDevice::Kind::Gpu, text.substr(4)};
+    return fail(Code::InvalidArgument, "'{}' is no engine; cpu, gpu, gpu:NAME with a part of the GPU's name, and auto are", text);
+}
+
+Result<std::unique_ptr<TrainingEngine>> engineOf(const TrainingDevice& device, Progress& progress) {
+    std::unique_ptr<TrainingEngine> none;
+    if (device.kind == TrainingDevice::Kind::Cpu) return none;
+    const bool mayFail = device.kind == TrainingDevice::Kind::Auto;
+    auto engine = openTrainingEngine({device.name, !mayFail});
+    if (!engine && !mayFail) return fail(engine.error().code, "--engine gpu: {}", engine.error().message);
+    if (engine)
+        progress.note(formatText("training on {}", (*engine)->name()));
+    else
+        progress.note(formatText("training on the CPU: {}", engine.error().message));
+    return engine ? std::move(*engine) : std::move(none);
+}
+
+}  // namespace dpl
