@@ -16,7 +16,7 @@ struct Training {
 
 template <>
 struct StageOf<Training> {
-    static constexpr StageName kName{"co-optimise", 22};
+    static constexpr StageName kName{"co-optimise", 23};
     static constexpr const char* kPriors[] = {"input/cameras",        "input/capture",  "subject/garments", "subject/surface",
                                               "training/correctives", "training/light", "training/trainer"};
     static Status inputs(StageInputs& in);

@@ -10,20 +10,26 @@ static_assert(offsetof(gpu::FrameCounts, tileEntries) == 4 * gpu::kTrainEntriesW
 
 constexpr uint32_t kDepthRounds = 4, kTileRounds = 2;  // digits of a float, and of the number of a tile
 
-/** Sorts by `rounds` digits from the lowest on; stable, so the order before decides ties. The result lies in `from`: rounds is even. */
-void addSort(FramePlan& plan, const char* label, BufferId counts, const TableIds& digits, BufferId from, BufferId to, uint32_t rounds,
-             uint32_t groups) {
+/** Pairs to sort, and how many of them: `counts` says it on the device; the host knows it where `groups` is not 0. */
+struct PairLists {
+    BufferId counts, pairs, swap;
+    uint32_t groups = 0;
+};
+
+/** Sorts by `rounds` digits from the lowest on; stable, so the order before decides ties. The result lies in `pairs`: rounds is even. */
+void addSort(FramePlan& plan, const char* label, const TableIds& digits, const PairLists& lists, uint32_t rounds) {
+    BufferId from = lists.pairs, to = lists.swap;
     for (uint32_t round = 0; round < rounds; ++round) {
         const gpu::SortPush push{round * gpu::kSortDigitBits};
         const auto over = [&](auto&& step) {
-            if (groups)
-                step.groups(groups);
+            if (lists.groups)
+                step.groups(lists.groups);
             else
-                step.groupsFrom(counts, offsetof(gpu::FrameCounts, runGroupsX));
+                step.groupsFrom(lists.counts, offsetof(gpu::FrameCounts, runGroupsX));
         };
-        over(plan.compute(label, "sort.count").reads(counts, from).writes(digits.cells).push(push));
-        addScan(plan, label, counts, digits, {}, gpu::kSortDigits);
-        over(plan.compute(label, "sort.scatter").reads(counts, from, digits.places).writes(to).push(push));
+        over(plan.compute(label, "sort.count").reads(lists.counts, from).writes(digits.cells).push(push));
+        addScan(plan, label, lists.counts, digits, {}, gpu::kSortDigits);
+        over(plan.compute(label, "sort.scatter").reads(lists.counts, from, digits.places).writes(to).push(push));
         std::swap(from, to);
     }
 }
@@ -57,7 +63,7 @@ Status GpuPicture::record(const GpuStateSizes& size, const GpuState& state) {
         .reads(state.splats, state.sh, triangles.device)
         .writes(screen, records, depthPairs)
         .threads(n);
-    addSort(plan, "sort by depth", depthCounts, digits, depthPairs, depthSwap, kDepthRounds, (n + gpu::kRun - 1) / gpu::kRun);
+    addSort(plan, "sort by depth", digits, {depthCounts, depthPairs, depthSwap, (n + gpu::kRun - 1) / gpu::kRun}, kDepthRounds);
     plan.compute("count", "count").uniform(frame).reads(depthPairs, screen).writes(cells.cells).threads(scanRows * gpu::kTrainScanCells);
     addScan(plan, "scan", depthCounts, cells, {gpu::kTrainScanCells, 0, 0}, scanRows);
     plan.fill("clear", counts.device, 0);
@@ -67,7 +73,7 @@ Status GpuPicture::record(const GpuStateSizes& size, const GpuState& state) {
         .reads(depthPairs, screen, cells.places)
         .writes(entryPairs, owners, firstEntries)
         .threads(n);
-    addSort(plan, "sort by tile", counts.device, digits, entryPairs, entrySwap, kTileRounds, 0);
+    addSort(plan, "sort by tile", digits, {counts.device, entryPairs, entrySwap}, kTileRounds);
     plan.fill("clear", offsets, 0);
     plan.compute("ranges", "ranges")
         .uniform(frame)

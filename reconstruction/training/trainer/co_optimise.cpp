@@ -276,7 +276,7 @@ Result<LossValues> CoOptimiser::State::passOf(uint32_t frame, const LevelFrame& 
             return lose(taken.error());
     engineCurrent = true;
     const SplatUpdate update = splatUpdate(frame, level);
-    const auto loss = pass.run(subject, pose, level, weights, background, geometry, *engine, settings.learnSplats ? &update : nullptr);
+    const auto loss = pass.run(subject, pose, level, weights, background, *engine, settings.learnSplats ? &update : nullptr);
     if (!loss) return lose(loss.error());
     engineAhead |= settings.learnSplats;
     return *loss;

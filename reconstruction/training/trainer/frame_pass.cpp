@@ -43,20 +43,18 @@ LossValues FramePass::run(const PassSubject& s, const Pose& pose, const LevelFra
 }
 
 Result<LossValues> FramePass::run(const PassSubject& s, const Pose& pose, const LevelFrame& level, const LossWeights& weights,
-                                  const Vec3f& background, bool geometry, TrainingEngine& engine, const SplatUpdate* update) {
+                                  const Vec3f& background, TrainingEngine& engine, const SplatUpdate* update) {
     clock.start();
     poseSubject(s, pose);
     clock.lap(StepPart::Pose);
     DPL_TRY(const LossValues loss,
             engine.step({posed_.frames(), s.rest, level.camera, level.kappaPx2, level.target(), weights, background, update}));
     clock.lap(StepPart::Engine);
-    if (geometry) {
-        const auto vertices = engine.vertexGradients();
-        gPosed_.resize(vertices.size()), gLight_.resize(vertices.size());
-        for (size_t v = 0; v < vertices.size(); ++v) gPosed_[v] = Vec3f(vertices[v]), gLight_[v] = vertices[v].w;
-        backwardMesh(s, pose);
-        clock.lap(StepPart::Mesh);
-    }
+    const auto vertices = engine.vertexGradients();
+    gPosed_.resize(vertices.size()), gLight_.resize(vertices.size());
+    for (size_t v = 0; v < vertices.size(); ++v) gPosed_[v] = Vec3f(vertices[v]), gLight_[v] = vertices[v].w;
+    backwardMesh(s, pose);
+    clock.lap(StepPart::Mesh);
     return loss;
 }
 

@@ -33,9 +33,10 @@ public:
      *  poseGradient() and nodeGradient(). */
     LossValues run(const PassSubject& subject, const Pose& pose, const LevelFrame& level, const LossWeights& weights,
                    const Vec3f& background, bool geometry);
-    /** The same with an engine that holds subject.splats, and that updates them unless `update` is null. Errors: those of the engine. */
+    /** The same with an engine that holds subject.splats, and that updates them unless `update` is null; always with geometry. Errors:
+     * those of the engine. */
     Result<LossValues> run(const PassSubject& subject, const Pose& pose, const LevelFrame& level, const LossWeights& weights,
-                           const Vec3f& background, bool geometry, TrainingEngine& engine, const SplatUpdate* update);
+                           const Vec3f& background, TrainingEngine& engine, const SplatUpdate* update);
 
     SplatBackward& splatBackward() { return splatBackward_; }
     const std::vector<Vec3f>& restGradient() const { return gRest_; }
