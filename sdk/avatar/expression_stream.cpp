@@ -66,6 +66,10 @@ void add(std::string_view name, float weight, ExpressionWeights& weights) {
 /** False: no such name. */
 bool addNamed(std::string_view name, float weight, ExpressionWeights& weights) {
     if (expressionOf(name)) return add(name, weight, weights), true;
+    if (name.ends_with("_L") || name.ends_with("_R")) {  // ARKit's raw values in Swift: "eyeBlink_L"
+        const std::string full = std::string(name.substr(0, name.size() - 2)) + (name.back() == 'L' ? "Left" : "Right");
+        return expressionOf(full) && (add(full, weight, weights), true);
+    }
     bool known = name == "neutral" || std::find(kSilent.begin(), kSilent.end(), name) != kSilent.end();
     for (const Share& share : kShares) {
         if (share.of != name) continue;

@@ -74,6 +74,13 @@ jobjectArray jointNames(JNIEnv* env, jclass, jlong avatar) {
     return textsOf(env, names);
 }
 
+/** Null, and an exception: out of memory. */
+jfloatArray floatsToJava(JNIEnv* env, const std::vector<float>& numbers) {
+    jfloatArray made = env->NewFloatArray(jsize(numbers.size()));
+    if (made) write(env, made, numbers);
+    return made;
+}
+
 /** Four numbers a joint: the index of its parent or -1, and its place at rest. */
 jfloatArray jointTree(JNIEnv* env, jclass, jlong avatar) {
     const auto info = infoOf(env, avatar);
@@ -86,9 +93,7 @@ jfloatArray jointTree(JNIEnv* env, jclass, jlong avatar) {
         numbers.push_back(float(joint.parent));
         numbers.insert(numbers.end(), joint.restPosition, joint.restPosition + 3);
     }
-    jfloatArray made = env->NewFloatArray(jsize(numbers.size()));
-    write(env, made, numbers);
-    return made;
+    return floatsToJava(env, numbers);
 }
 
 jint findJoint(JNIEnv* env, jclass, jlong avatar, jstring name) {
@@ -142,6 +147,55 @@ void setMotionState(JNIEnv* env, jclass, jlong avatar, jbyteArray state) {
 
 void setClothStiffness(JNIEnv* env, jclass, jlong avatar, jfloat stiffness) {
     check(env, dplSetClothStiffness(avatarOf(avatar), stiffness));
+}
+
+std::optional<DplExpressionInfo> expressionOf(JNIEnv* env, jlong avatar, uint32_t expression) {
+    DplExpressionInfo info{};
+    info.structSize = sizeof info;
+    if (!check(env, dplGetExpressionInfo(avatarOf(avatar), expression, &info))) return std::nullopt;
+    return info;
+}
+
+jobjectArray expressionNames(JNIEnv* env, jclass, jlong avatar) {
+    std::vector<std::string> names;
+    for (uint32_t e = 0; e < DPL_EXPRESSION_COUNT; ++e) {
+        const auto info = expressionOf(env, avatar, e);
+        if (!info) return nullptr;
+        names.push_back(info->name);
+    }
+    return textsOf(env, names);
+}
+
+jboolean isExpressionDrawn(JNIEnv* env, jclass, jlong avatar, jint expression) {
+    const auto info = expressionOf(env, avatar, uint32_t(expression));
+    return info && info->drawn ? JNI_TRUE : JNI_FALSE;
+}
+
+void setExpression(JNIEnv* env, jclass, jlong avatar, jfloatArray weights) {
+    const std::vector<float> values = floatsOf(env, weights);
+    check(env, dplSetExpression(avatarOf(avatar), values.data(), uint32_t(values.size())));
+}
+
+void setExpressionNamed(JNIEnv* env, jclass, jlong avatar, jobjectArray names, jfloatArray weights) {
+    const std::vector<float> values = floatsOf(env, weights);
+    const jsize count = names ? env->GetArrayLength(names) : 0;
+    if (values.size() != size_t(count)) return throwDoppel(env, DPL_ERROR_INVALID_ARGUMENT, "a weight is needed for each name");
+    std::vector<std::string> texts;
+    for (jsize i = 0; i < count; ++i) {
+        const auto name = static_cast<jstring>(env->GetObjectArrayElement(names, i));
+        texts.push_back(toUtf8(env, name));
+        env->DeleteLocalRef(name);  // the JVM promises room for sixteen of these
+    }
+    std::vector<const char*> given;
+    for (const std::string& text : texts) given.push_back(text.c_str());
+    given.push_back(nullptr);  // an empty list has names too
+    check(env, dplSetExpressionNamed(avatarOf(avatar), given.data(), values.data(), uint32_t(count)));
+}
+
+jfloatArray expression(JNIEnv* env, jclass, jlong avatar) {
+    std::vector<float> weights(DPL_EXPRESSION_COUNT);
+    if (!check(env, dplGetExpression(avatarOf(avatar), weights.data(), DPL_EXPRESSION_COUNT))) return nullptr;
+    return floatsToJava(env, weights);
 }
 
 void getPose(JNIEnv* env, jclass, jlong avatar, jfloatArray rotations, jfloatArray root) {
@@ -409,6 +463,11 @@ const std::vector<JNINativeMethod> kAvatarMethods = {
     method("motionState", "(J)[B", motionState),
     method("setMotionState", "(J[B)V", setMotionState),
     method("setClothStiffness", "(JF)V", setClothStiffness),
+    method("expressionNames", "(J)[Ljava/lang/String;", expressionNames),
+    method("isExpressionDrawn", "(JI)Z", isExpressionDrawn),
+    method("setExpression", "(J[F)V", setExpression),
+    method("setExpressionNamed", "(J[Ljava/lang/String;[F)V", setExpressionNamed),
+    method("expression", "(J)[F", expression),
     method("getPose", "(J[F[F)V", getPose),
     method("jointPositions", "(J[F)V", jointPositions),
     method("clipName", "(JI)Ljava/lang/String;", clipName),

@@ -33,6 +33,7 @@ final class JniTest {
         test.avatarTellsWhatItIs();
         test.posesGoThereAndBack();
         test.clipsAreMixedAndAHeadlessAvatarDoesNotLook();
+        test.theFaceStaysBesideThePose();
         test.mistakesAreExceptions();
         test.everyTruncationIsAnException();
         test.handlesAreChecked();
@@ -157,6 +158,38 @@ final class JniTest {
                 () -> Native.setPoseFromClips(avatar, new double[] {-1, 0, 1, 0, 0, 0, 0, 0}, 0));
         expectError(invalid, "9 numbers", "a gaze that is too short", () -> Native.lookAtPoint(avatar, new float[3]));
         expectError(DoppelException.UNSUPPORTED, "head", "an avatar without a head looks", () -> Native.lookAtPoint(avatar, new float[9]));
+        Native.destroyAvatar(avatar);
+    }
+
+    private void theFaceStaysBesideThePose() throws Exception {
+        ByteBuffer person = Checks.mapped(work.resolve("person.glb"));
+        long avatar = Native.loadAvatar(context, person, 0, person.capacity());
+        String[] names = Native.expressionNames(avatar);
+        expect(names.length == 52 && names[0].equals("eyeBlinkLeft") && names[51].equals("tongueOut"), "names of the expressions");
+        expect(Native.isExpressionDrawn(avatar, 0) && !Native.isExpressionDrawn(avatar, 1), "which of them the avatar holds");
+        float[] weights = new float[52];
+        weights[3] = 0.5f;
+        Native.setExpression(avatar, weights);
+        Native.setPoseFromClip(avatar, 0, 0.5, true);
+        expect(Arrays.equals(Native.expression(avatar), weights), "a face comes back, whatever the pose");
+        Native.setExpressionNamed(avatar, new String[] {"_neutral", "EyeBlinkLeft"}, new float[] {1, 2});
+        Arrays.fill(weights, 0);
+        weights[0] = 1;
+        expect(Arrays.equals(Native.expression(avatar), weights), "weights by names, held in 0 to 1");
+        int invalid = DoppelException.INVALID_ARGUMENT;
+        expectError(invalid, "there are 52", "too few weights", () -> Native.setExpression(avatar, new float[3]));
+        expectError(invalid, "weight is needed", "a name without a weight",
+                () -> Native.setExpressionNamed(avatar, new String[] {"jawOpen"}, new float[0]));
+        expectError(invalid, "did you mean 'jawOpen'", "a name that is none",
+                () -> Native.setExpressionNamed(avatar, new String[] {"jawOpne"}, new float[] {1}));
+        expectError(invalid, "there is no expression ''", "no name",
+                () -> Native.setExpressionNamed(avatar, new String[] {null}, new float[] {1}));
+        expectError(DoppelException.NOT_FOUND, "no expression 52", "an expression beyond the last", () -> Native.isExpressionDrawn(avatar, 52));
+        String[] many = new String[1000];
+        Arrays.fill(many, "blink");
+        Native.setExpressionNamed(avatar, many, new float[1000]);
+        Native.setExpressionNamed(avatar, new String[0], new float[0]);
+        expect(Arrays.equals(Native.expression(avatar), new float[52]), "no names show nothing");
         Native.destroyAvatar(avatar);
     }
 

@@ -187,6 +187,30 @@ private class ApiTest(private val work: Path) {
         }
     }
 
+    fun theFaceStaysBesideThePose() {
+        DoppelContext.create(Renderer.SOFTWARE, 1).use { context ->
+            context.loadAvatar(Checks.mapped(work.resolve("person.glb"))).use { avatar ->
+                val drawn = avatar.expressions.filter { it.isDrawn }.map { it.name }
+                expect(avatar.expressions.size == 52 && drawn.size == 3 && drawn[0] == "eyeBlinkLeft", "expressions: $drawn")
+                val weights = FloatArray(52)
+                weights[0] = 0.75f
+                avatar.expression = weights
+                avatar.setPose(avatar.clips[0], 0.5)
+                expect(avatar.expression.contentEquals(weights), "a face comes back, whatever the pose")
+                avatar.setExpression(mapOf("_neutral" to 1f, "blink" to 0.5f))
+                expect(avatar.expression[0] == 0.5f && avatar.expression.sum() == 1f, "VRM's blink is of both eyes")
+                avatar.setExpression(arrayOf("JawOpen"), floatArrayOf(0.25f))
+                expect(avatar.expression.sum() == 0.25f, "a stream of Live Link")
+                expectError(DoppelException.INVALID_ARGUMENT, "is not a number", "a weight that is none") {
+                    avatar.setExpression(mapOf("jawOpen" to Float.NaN))
+                }
+                expect(avatar.expression.sum() == 0.25f, "after it the face stays")
+                avatar.setExpression(emptyMap())
+                expect(avatar.expression.all { it == 0f }, "no names show nothing")
+            }
+        }
+    }
+
     fun clipsAreMixedAndAHeadTurns() {
         DoppelContext.create(Renderer.SOFTWARE, 1).use { context ->
             context.loadAvatar(Checks.mapped(work.resolve("person.glb"))).use { avatar ->
@@ -470,6 +494,7 @@ fun main(arguments: Array<String>) {
     test.splatsAndVerticesAreWritten()
     test.layersRaysAndPlayers()
     test.aTrackerPosesAnAvatar()
+    test.theFaceStaysBesideThePose()
     test.clipsAreMixedAndAHeadTurns()
     test.twoViewsWithDepth()
     test.closedObjectsAreErrors()

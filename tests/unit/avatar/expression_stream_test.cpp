@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <numeric>
 #include <string>
 
 #include "tests/not_finite.h"
@@ -41,6 +42,19 @@ TEST(ExpressionStream, arkitsWeightsNeedNoNames) {
     ASSERT_TRUE(plain && named);
     EXPECT_TRUE(std::equal(weights.begin(), weights.end(), plain->begin()));
     EXPECT_EQ(*named, *plain);
+}
+
+TEST(ExpressionStream, arkitsRawValuesInSwiftNameSidesByALetter) {
+    const char* names[] = {"eyeBlink_L", "mouthSmile_R", "jawLeft"};
+    const float given[] = {0.25f, 0.5f, 0.75f};
+    const auto taken = expressionFrom(names, given);
+    ASSERT_TRUE(taken);
+    EXPECT_EQ(weightOf(*taken, "eyeBlinkLeft"), 0.25f);
+    EXPECT_EQ(weightOf(*taken, "mouthSmileRight"), 0.5f);
+    EXPECT_EQ(weightOf(*taken, "jawLeft"), 0.75f);
+    EXPECT_EQ(std::accumulate(taken->begin(), taken->end(), 0.0f), 1.5f);
+    for (const char* unknown : {"jaw_Q", "_L", "browInnerUp_L"})
+        EXPECT_NE(refusal({&unknown, 1}, {given, 1}).find(std::string("'") + unknown + "'"), std::string::npos) << unknown;
 }
 
 TEST(ExpressionStream, liveLinksAnglesAreLeftOut) {

@@ -65,6 +65,7 @@ extension DplContextInfo: Sized {}
 extension DplAvatarInfo: Sized {}
 extension DplFileAxes: Sized {}
 extension DplJointInfo: Sized {}
+extension DplExpressionInfo: Sized {}
 extension DplClipInfo: Sized {}
 extension DplClipLayer: Sized {}
 extension DplClipOptions: Sized {}

@@ -132,6 +132,39 @@ final class RenderTests: XCTestCase {
         XCTAssertEqual(try avatar.pose().root.y, 0.5, accuracy: 1e-4)
     }
 
+    func testTheFaceStaysBesideThePose() throws {
+        let context = try DoppelContext(renderer: .software)
+        let avatar = try context.loadAvatar(TestAvatar.bytes)
+        let all = try avatar.expressions()
+        XCTAssertEqual(all.count, 52)
+        XCTAssertEqual(all[0], Avatar.Expression(name: "eyeBlinkLeft", isDrawn: false), "this avatar holds none")
+        let jaw = try Avatar.findExpression("jawOpen")
+        XCTAssertEqual(all[jaw].name, "jawOpen")
+        var weights = [Float](repeating: 0, count: 52)
+        weights[jaw] = 0.5
+        try avatar.setExpression(weights)
+        try avatar.setPose(clip: 0, timeS: 0.5)
+        XCTAssertEqual(try avatar.expression(), weights)
+        try avatar.setExpression(["_neutral": 1, "eyeBlinkLeft": 2, "JawOpen": 0.25])
+        XCTAssertEqual(try avatar.expression()[0], 1, "held in 0 to 1")
+        XCTAssertEqual(try avatar.expression()[jaw], 0.25)
+        let before = try avatar.expression()
+        func refuses(_ sentence: String, _ set: () throws -> Void) {
+            XCTAssertThrowsError(try set()) {
+                XCTAssertEqual(($0 as? DoppelError)?.code, .invalidArgument)
+                XCTAssertTrue("\($0)".contains(sentence), "\($0)")
+            }
+        }
+        refuses("there are 52") { try avatar.setExpression([1, 0]) }
+        refuses("'jawOpen' is not a number") { try avatar.setExpression(["jawOpen": .nan]) }
+        refuses("did you mean 'jawOpen'") { try avatar.setExpression(["jawOpne": 1]) }
+        refuses("1 names and 2 weights") { try avatar.setExpression(names: ["jawOpen"], weights: [1, 1]) }
+        XCTAssertThrowsError(try Avatar.findExpression("smirk")) { XCTAssertEqual(($0 as? DoppelError)?.code, .notFound) }
+        XCTAssertEqual(try avatar.expression(), before)
+        try avatar.setExpression([:])
+        XCTAssertEqual(try avatar.expression(), [Float](repeating: 0, count: 52))
+    }
+
     func testSplatsAndVerticesAreWrittenInTheLayoutOfTheApp() throws {
         let context = try DoppelContext(renderer: .software)
         let avatar = try context.loadAvatar(TestAvatar.bytes)

@@ -27,6 +27,14 @@ public final class ARBodyAnchor: ARAnchor {
     public var skeleton: ARSkeleton3D { fatalError() }
 }
 
+public final class ARFaceAnchor: ARAnchor {
+    public struct BlendShapeLocation: RawRepresentable, Hashable, Sendable {
+        public let rawValue: String
+        public init(rawValue: String) { self.rawValue = rawValue }
+    }
+    public var blendShapes: [BlendShapeLocation: NSNumber] { fatalError() }
+}
+
 public final class ARCamera: NSObject {
     public func viewMatrix(for orientation: UIInterfaceOrientation) -> simd_float4x4 { fatalError() }
     public func projectionMatrix(

@@ -47,6 +47,11 @@ final class Native {
     static native byte[] motionState(long avatar);
     static native void setMotionState(long avatar, byte[] state);
     static native void setClothStiffness(long avatar, float stiffness);
+    static native String[] expressionNames(long avatar);
+    static native boolean isExpressionDrawn(long avatar, int expression);
+    static native void setExpression(long avatar, float[] weights);
+    static native void setExpressionNamed(long avatar, String[] names, float[] weights);
+    static native float[] expression(long avatar);
     static native void getPose(long avatar, float[] rotations, float[] root);
     static native void jointPositions(long avatar, float[] positions);
     static native String clipName(long avatar, int clip);

@@ -25,6 +25,9 @@ class AvatarInfo internal constructor(val name: String, counts: LongArray, bound
 
 class Joint internal constructor(val name: String, val humanoidBone: String, val parent: Int, val restPosition: FloatArray)
 
+/** What a face can show, by ARKit's name. [isDrawn]: the avatar holds it; otherwise its weight changes nothing. */
+class Expression internal constructor(val name: String, val isDrawn: Boolean)
+
 class Clip internal constructor(val index: Int, val name: String, val durationS: Double)
 
 /** What the last finished frame drew and cost. */
@@ -119,6 +122,23 @@ class Avatar internal constructor(number: Long) : Closeable {
 
     /** How stiff the clothes are, until changed: 0 to 100, 1 as learned; stiffer ones swing and lag less. See dplSetClothStiffness. */
     fun setClothStiffness(stiffness: Float) = Native.setClothStiffness(number, stiffness)
+
+    /** All 52 expressions, in ARKit's order. */
+    val expressions: List<Expression>
+        get() = Native.expressionNames(number).mapIndexed { i, name -> Expression(name, Native.isExpressionDrawn(number, i)) }
+
+    /**
+     * What the face shows, until it is changed; poses do not touch it. A weight of 0 to 1 for each of [expressions]. See dplSetExpression.
+     */
+    var expression: FloatArray
+        get() = Native.expression(number)
+        set(weights) = Native.setExpression(number, weights)
+
+    /** The same by names of ARKit, MediaPipe, Live Link or VRM; all others become zero. See dplSetExpressionNamed. */
+    fun setExpression(weights: Map<String, Float>) = setExpression(weights.keys.toTypedArray(), weights.values.toFloatArray())
+
+    /** The same for a stream that gives names and weights apart. */
+    fun setExpression(names: Array<String>, weights: FloatArray) = Native.setExpressionNamed(number, names, weights)
 
     fun pose(): Pose {
         val pose = Pose(FloatArray(4 * info.jointCount), FloatArray(3))
