@@ -23,6 +23,9 @@ const RESULTS = ['DPL_OK', 'DPL_ERROR_INVALID_ARGUMENT', 'DPL_ERROR_NOT_FOUND', 
   'DPL_ERROR_UNSUPPORTED', 'DPL_ERROR_OUT_OF_MEMORY', 'DPL_ERROR_IO', 'DPL_ERROR_DEVICE', 'DPL_ERROR_INTERNAL'];
 const OUT_OF_MEMORY = 6, UNSUPPORTED = RESULTS[5];
 const wrong = sentence => new DoppelError(sentence, 'DPL_ERROR_INVALID_ARGUMENT');
+const checkTime = timeMs => {
+  if (!(Math.abs(timeMs) <= MOST_MS)) throw wrong(`a time of ${timeMs} ms; it must be a finite number`);
+};
 const isByteCount = number => Number.isInteger(number) && number >= 0 && number <= MOST_BYTES;
 const MAX_FILE_BYTES = 512 * 1024 * 1024;
 const PAGE_BYTES = 65536, FIRST_PAGES = 64, MOST_PAGES = 32768;  // the limits of memory in CMakeLists.txt
@@ -31,6 +34,8 @@ const MAX_SIDE_PX = 8192;
 const STRAIGHT_ALPHA = 1;  // DPL_IMAGE_STRAIGHT_ALPHA
 const SCRATCH_BYTES = 640;
 const LANDMARKS = 33;       // of MediaPipe Pose
+const EXPRESSIONS = 52;     // DPL_EXPRESSION_COUNT
+const MOST_STATE_BYTES = 8192;  // of dplGetMotionState
 const MOST_MS = 9e12;       // of a time: its nanoseconds fit 64 bits
 const IN_PLACE = 4, OVER_POSE = 8;  // DplTrackerFlag
 const TRACKER_STATES = ['waiting', 'tracking', 'lost'];
@@ -247,6 +252,10 @@ export class Doppel {
       name: this.#text(this.#call('webLayerText', this.#avatar, i, 0)), role: this.#text(this.#call('webLayerText', this.#avatar, i, 1)),
       triangleCount: this.#call('webLayerTriangles', this.#avatar, i),
     }));
+    /** {name, drawn} of each expression, by ARKit's names and in its order. drawn: the person holds it, else its weight changes nothing. */
+    this.expressions = Array.from({ length: EXPRESSIONS }, (_, i) => ({
+      name: this.#text(this.#call('webExpressionName', this.#avatar, i)), drawn: this.#call('webExpressionDrawn', this.#avatar, i) === 1,
+    }));
   }
 
   #clip(i) {
@@ -255,20 +264,80 @@ export class Doppel {
 
   // [not in pages]
   /** Poses the person: a quaternion for each joint, 4 · joints.length numbers; the identity is the rest pose. translation: of the root,
-   *  metres. */
-  setPose(rotations, translation = [0, 0, 0]) {
+   *  metres. timeMs: when the picture is shown, of any one clock such as performance.now(); clothes then remember. Without it they are
+   *  those of the pose alone. */
+  setPose(rotations, translation = [0, 0, 0], { timeMs } = {}) {
     const count = this.joints.length;
     if (rotations.length !== 4 * count)
       throw wrong(`${rotations.length} numbers for the rotations of ${count} joints; 4 for each are needed`);
     if (translation.length !== 3) throw wrong(`a translation of ${translation.length} numbers; 3 are needed`);
+    if (timeMs !== undefined) checkTime(timeMs);
     const at = this.#call('webAllocate', 16 * count + 12);
     if (!at) throw this.#refused(16 * count);
     const floats = new Float32Array(this.#memory.buffer, at, 4 * count + 3);
     floats.set(rotations);
     floats.set(translation, 4 * count);
-    const result = this.#call('dplSetPose', this.#avatar, at, count, at + 16 * count);
+    const result = timeMs === undefined ? this.#call('dplSetPose', this.#avatar, at, count, at + 16 * count)
+      : this.#call('webSetPoseAtTime', this.#avatar, at, count, at + 16 * count, timeMs);
     this.#call('webFree', at);
     this.#check(result);
+  }
+
+  /** Clothes forget: they are those of the current pose alone. */
+  settle() { this.#check(this.#call('dplSettle', this.#avatar)); }
+
+  /** What the clothes remember in the current pose, and its time: bytes for setMotionState() of a person of the same file. */
+  motionState() {
+    const at = this.#call('webAllocate', MOST_STATE_BYTES);
+    if (!at) throw this.#refused(MOST_STATE_BYTES);
+    const result = this.#call('dplGetMotionState', this.#avatar, at, MOST_STATE_BYTES, this.#scratch);
+    const state = result === 0 ? new Uint8Array(this.#memory.buffer, at, this.#int()).slice() : null;
+    this.#call('webFree', at);
+    this.#check(result);
+    return state;
+  }
+  /** Restores it: poses that follow in time are drawn as after the one that was saved. */
+  setMotionState(state) {
+    const at = this.#put(state), result = this.#call('dplSetMotionState', this.#avatar, at, state.length);
+    this.#call('webFree', at);
+    this.#check(result);
+  }
+
+  /** Sets the face, until it is changed; poses do not touch it. weights: a number of 0 to 1 for each of `expressions`, in their order; or an
+   *  object by names, such as { jawOpen: 0.5 }, as of setExpressionNamed(). All zero: the neutral face. */
+  setExpression(weights) {
+    if (weights.length === undefined) return this.setExpressionNamed(Object.keys(weights), Object.values(weights));
+    if (weights.length !== EXPRESSIONS) throw wrong(`${weights.length} weights; there are ${EXPRESSIONS} expressions`);
+    this.#viewMemory();
+    this.#floats.set(weights, this.#scratch >> 2);
+    this.#check(this.#call('dplSetExpression', this.#avatar, this.#scratch, EXPRESSIONS));
+  }
+
+  /** The same from a stream, by its names: those of ARKit, MediaPipe, Live Link or VRM; what is not named becomes zero. Of MediaPipe's result
+   *  these are categoryName and score of faceBlendshapes[0].categories. */
+  setExpressionNamed(names, weights) {
+    const count = names.length;
+    if (weights.length !== count) throw wrong(`${count} names and ${weights.length} weights; a weight is needed for each name`);
+    const texts = Array.from(names, name => encoder.encode(`${name}\0`));
+    const bytes = texts.reduce((sum, text) => sum + text.length, 8 * count + 1), at = this.#call('webAllocate', bytes);
+    if (!at) throw this.#refused(bytes);
+    this.#viewMemory();
+    this.#floats.set(weights, (at >> 2) + count);
+    let to = at + 8 * count;  // behind the pointers to the names and the weights
+    for (let i = 0; i < count; ++i) {
+      this.#words[(at >> 2) + i] = to;
+      new Uint8Array(this.#memory.buffer, to, texts[i].length).set(texts[i]);
+      to += texts[i].length;
+    }
+    const result = this.#call('dplSetExpressionNamed', this.#avatar, at, at + 4 * count, count);
+    this.#call('webFree', at);
+    this.#check(result);
+  }
+
+  /** The current expression: a weight for each of `expressions`. */
+  expression() {
+    this.#check(this.#call('dplGetExpression', this.#avatar, this.#scratch, EXPRESSIONS));
+    return new Float32Array(this.#memory.buffer, this.#scratch, EXPRESSIONS).slice();
   }
 
   // [in pages]
@@ -340,7 +409,7 @@ export class Doppel {
    *  the last are left out; those more than a second earlier begin anew. */
   track(landmarks, timeMs) {
     if (landmarks?.length !== LANDMARKS) throw wrong(`${landmarks?.length ?? 'no'} landmarks; MediaPipe Pose has ${LANDMARKS}`);
-    this.#checkTime(timeMs);
+    this.#checkFollowed(timeMs);
     this.#viewMemory();
     const at = this.#scratch >> 2, floats = this.#floats;
     for (let i = 0; i < LANDMARKS; ++i) {
@@ -354,16 +423,16 @@ export class Doppel {
    *  'waiting' for the first landmarks, 'tracking', or 'lost' for more than 0.3 s. drivenJoints: that follow now. delay: by which the
    *  smoothing lags, seconds. */
   setPoseFromTracker(timeMs) {
-    this.#checkTime(timeMs);
+    this.#checkFollowed(timeMs);
     this.#check(this.#call('webSetPoseFromTracker', this.#tracker, timeMs, this.#scratch));
     const [state, drivenJoints, rateHz, delay] = this.#numbers(4);
     return { state: TRACKER_STATES[state], drivenJoints, rateHz, delay };
   }
 
-  #checkTime(timeMs) {
+  #checkFollowed(timeMs) {
     this.#alive();
     if (!this.#tracker) throw wrong('nobody is followed yet; call startTracking() first');
-    if (!(Math.abs(timeMs) <= MOST_MS)) throw wrong(`a time of ${timeMs} ms; it must be a finite number`);
+    checkTime(timeMs);
   }
 
   /** The posed mesh {positions, triangles}, which the next call overwrites: 3 numbers a vertex, metres, before setTransform; 3 vertices a

@@ -198,6 +198,24 @@ EXPORT(webLayerTriangles)(DplAvatar avatar, uint32_t layer)->uint32_t {
     return dplGetLayerInfo(avatar, layer, &info) == DPL_OK ? info.triangleCount : 0;
 }
 
+/** Null past the last expression. It lives as long as the module. */
+EXPORT(webExpressionName)(DplAvatar avatar, uint32_t expression)->const char* {
+    DplExpressionInfo info{};
+    info.structSize = sizeof info;
+    return dplGetExpressionInfo(avatar, expression, &info) == DPL_OK ? info.name : nullptr;
+}
+/** Whether the person holds it. */
+EXPORT(webExpressionDrawn)(DplAvatar avatar, uint32_t expression)->uint32_t {
+    DplExpressionInfo info{};
+    info.structSize = sizeof info;
+    return dplGetExpressionInfo(avatar, expression, &info) == DPL_OK ? info.drawn : 0;
+}
+
+/** dplSetPoseAtTime with a time in milliseconds. */
+EXPORT(webSetPoseAtTime)(DplAvatar avatar, const float* rotations, uint32_t jointCount, const float* root, double timeMs)->DplResult {
+    return dplSetPoseAtTime(avatar, rotations, jointCount, root, int64_t(timeMs * 1e6));
+}
+
 /** A tracker for landmarks of MediaPipe Pose; 0 after an error, whose code goes to *result. flags: DplTrackerFlag. */
 EXPORT(webCreateTracker)(DplAvatar avatar, uint32_t flags, int32_t* result)->DplTracker {
     DplTrackerInfo info{};

@@ -9,7 +9,7 @@ import { pathToFileURL } from 'node:url';
 import { test } from 'node:test';
 import { Doppel, DoppelError } from '../../platform/web/doppel.js';
 import { SplatPacer } from '../../platform/web/splat-pacer.js';
-import { SHOTS, compare, line } from './shots.mjs';
+import { SHOTS, compare, line, poseAs } from './shots.mjs';
 
 const wasm = await WebAssembly.compile(fs.readFileSync(process.env.WEB_MODULE));
 const glb = fs.readFileSync(process.env.WEB_PERSON);
@@ -24,7 +24,7 @@ const fails = (what, code, pattern) => assert.rejects(async () => what(), error 
 test('draws what the referee draws', async t => {
   const person = await load();
   for (const shot of SHOTS) {
-    if (shot.clip >= 0) person.setClip(shot.clip, shot.time);
+    poseAs(person, shot);
     const picture = person.draw(person.lookAt(shot));
     const { db, levels, covered } = compare(picture, fs.readFileSync(path.join(process.env.WEB_REFEREE, `${shot.name}.rgba`)));
     t.diagnostic(`${shot.name}: ${db === Infinity ? 'equal bytes' : `${db.toFixed(1)} dB, at most ${levels} levels`}`);
@@ -41,7 +41,7 @@ test('writes the splats that the referee writes', async t => {
   const person = await load(), file = shot => path.join(process.env.WEB_REFEREE, `${shot.name}.splats`);
   execFileSync(process.env.WEB_REFEREE_PROGRAM, [process.env.WEB_PERSON, '--splats'], { input: SHOTS.map(shot => line(shot, file(shot))).join('\n') });
   for (const shot of SHOTS) {
-    if (shot.clip >= 0) person.setClip(shot.clip, shot.time);
+    poseAs(person, shot);
     const { bytes, count, saturated } = person.writeSplats(LAYOUT, { eye: shot.eye }), expected = fs.readFileSync(file(shot));
     assert.equal(count, person.splatCount);
     assert.equal(saturated, 0);
@@ -110,6 +110,60 @@ test('a clip is found by name, and a pose and a transform move the person', asyn
   assert.ok(compare(rest, person.draw(camera)).levels > 50);
   person.setTransform(null);
   assert.equal(compare(rest, person.draw(camera)).db, Infinity);
+});
+
+test('the face shows what it is given, whatever the pose, and streams go by their names', async () => {
+  const person = await load(), camera = person.lookAt(SHOTS.find(({ name }) => name === 'face')), names = person.expressions.map(({ name }) => name);
+  assert.equal(names.length, 52);
+  assert.deepEqual([names[0], names.at(-1)], ['eyeBlinkLeft', 'tongueOut']);
+  assert.deepEqual(person.expressions.filter(({ drawn }) => !drawn), [{ name: 'tongueOut', drawn: false }]);
+  const neutral = person.draw(camera), weightOf = name => person.expression()[names.indexOf(name)];
+  person.setExpression(names.map(name => name === 'jawOpen' ? 0.75 : 0));
+  assert.equal(weightOf('jawOpen'), 0.75);
+  assert.ok(compare(neutral, person.draw(camera)).levels > 50, 'the mouth opens');
+  person.setClip('walk', 0.4);
+  person.setPose(person.joints.flatMap(() => [0, 0, 0, 1]));
+  assert.equal(weightOf('jawOpen'), 0.75, 'a pose leaves the face as it is');
+  person.setExpression(new Float32Array(52));
+  assert.equal(compare(neutral, person.draw(camera)).db, Infinity, 'weights of zero are the neutral face');
+  const categories = [{ categoryName: '_neutral', score: 1 }, { categoryName: 'browInnerUp', score: 0.5 }, { categoryName: 'mouthSmileLeft', score: 1.02 }];
+  person.setExpressionNamed(categories.map(c => c.categoryName), categories.map(c => c.score));
+  assert.deepEqual([weightOf('browInnerUp'), weightOf('mouthSmileLeft'), weightOf('jawOpen')], [0.5, 1, 0]);
+  person.setExpression({ JawOpen: 0.25, aa: 0 });
+  assert.deepEqual([weightOf('browInnerUp'), weightOf('jawOpen')], [0, 0.25]);
+  const given = person.expression();
+  const wrongs = [[() => person.setExpression([0, 1]), /2 weights; there are 52/], [() => person.setExpression({ jawOpen: NaN }), /'jawOpen' is not a number/],
+    [() => person.setExpression(new Array(52)), /'eyeBlinkLeft' is not a number/], [() => person.setExpression({ jawOpne: 1 }), /did you mean 'jawOpen'/],
+    [() => person.setExpressionNamed(['jawOpen'], []), /1 names and 0 weights/],
+    [() => person.setExpressionNamed(new Array(2000).fill('jawOpen'), new Float32Array(2000)), /at most 1024/]];
+  for (const [what, pattern] of wrongs) await fails(what, 'DPL_ERROR_INVALID_ARGUMENT', pattern);
+  assert.deepEqual(person.expression(), given, 'after errors the face stays');
+  person.setExpression({});
+  assert.ok(person.expression().every(weight => weight === 0));
+  person.dispose();
+  await fails(() => person.setExpression({}), 'DPL_ERROR_INVALID_ARGUMENT', /disposed/);
+});
+
+test('clothes remember poses that have a time, forget, and remember again', async () => {
+  const person = await load(), rest = person.joints.flatMap(() => [0, 0, 0, 1]), at = name => 4 * person.joints.findIndex(({ bone }) => bone === name);
+  const raised = [...rest];
+  raised.splice(at('leftUpperArm'), 4, 0, 0, Math.sin(0.6), Math.cos(0.6));
+  person.setPose(rest, [0, 0, 0], { timeMs: 1000 });
+  person.setPose(raised, [0, 0, 0], { timeMs: 1100 });
+  const state = person.motionState();
+  assert.ok(state instanceof Uint8Array && state.length > 8, `${state.length} bytes`);
+  person.settle();
+  assert.notDeepEqual(person.motionState(), state);
+  person.setMotionState(state);
+  assert.deepEqual(person.motionState(), state);
+  await fails(() => person.setMotionState(new Uint8Array(3)), 'DPL_ERROR_INVALID_ARGUMENT', /./);
+  await fails(() => person.setPose(rest, [0, 0, 0], { timeMs: NaN }), 'DPL_ERROR_INVALID_ARGUMENT', /a time of NaN ms/);
+  assert.deepEqual(person.motionState(), state, 'after errors it is remembered');
+  const other = await load();
+  other.setMotionState(state);
+  assert.deepEqual(other.motionState(), state, 'another person of the same file takes it');
+  person.dispose();
+  other.dispose();
 });
 
 test('straight alpha divides by alpha, and a buffer of the caller is filled', async () => {
@@ -186,6 +240,10 @@ test('wrong calls are errors, and the person lives', async () => {
   await fails(() => person.setTransform([1, 2, 3]), 'DPL_ERROR_INVALID_ARGUMENT', /12 are needed/);
   await fails(() => person.lookAt({ ...SHOTS[0], eye: SHOTS[0].target }), 'DPL_ERROR_INVALID_ARGUMENT', /./);
   await fails(() => person.loadClip(Buffer.from('HIERARCHY nothing')), 'DPL_ERROR_CORRUPT_DATA', /./);
+  const bvh = x => Buffer.from(`HIERARCHY\nROOT hips\n{\nOFFSET 0 0 0\nCHANNELS 6 Xposition Yposition Zposition Zrotation Xrotation Yrotation
+End Site\n{\nOFFSET 0 1 0\n}\n}\nMOTION\nFrames: 2\nFrame Time: 0.04\n0 0 0 0 0 0\n${x} 0 0 0 0 0\n`);
+  for (const x of ['nan', 'inf']) await fails(() => person.loadClip(bvh(x)), 'DPL_ERROR_CORRUPT_DATA', /./);
+  assert.equal(person.clips.length, 2, 'a motion of numbers that are none is no clip');
   person.draw(camera);
 });
 
@@ -244,6 +302,15 @@ test('memory that is refused is an error of that person alone', async () => {
   await fails(() => load(glb, { memoryLimit: 6 << 20 }), 'DPL_ERROR_OUT_OF_MEMORY', /memory/);
   const person = await load();
   person.draw(person.lookAt(SHOTS[0]));
+});
+
+test('a picture that does not fit into 256 MB is an error, and the person lives', async () => {
+  const person = await load(glb, { memoryLimit: 256 << 20 });
+  const large = person.lookAt({ ...SHOTS[0], width: 8192, height: 8192 });
+  await fails(() => person.draw(large), 'DPL_ERROR_OUT_OF_MEMORY', /memory|bytes more/);
+  const { covered } = compare(person.draw(person.lookAt(SHOTS[0])), new Uint8Array(SHOTS[0].width * SHOTS[0].height * 4));
+  assert.ok(covered > 500);
+  person.dispose();
 });
 
 test('many pictures take no more memory', async t => {

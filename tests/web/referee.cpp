@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // web_referee AVATAR: what the module must draw, by dplRender on this machine's CPU. Reads shots from stdin, one a line:
-//   clip time eyeX eyeY eyeZ targetX targetY targetZ fovYRad width height file
+//   clip time eyeX eyeY eyeZ targetX targetY targetZ fovYRad width height expression file
+// expression: NAME=WEIGHT, several with commas; -: the neutral face.
 // web_referee AVATAR --time N [BUDGET...]: the median of N frames, ms, of what the module does for WebGL2 (clip and dplProject), by one
 // thread, for each shot; then that of the posed mesh alone (clip and dplGetPosedMesh); no picture. BUDGET: most splats, 0: all; a line
 // each. web_referee AVATAR --track: poses of a tracker for MediaPipe Pose that keeps the person in place. Lines of stdin:
@@ -21,6 +22,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <iostream>
+#include <sstream>
 #include <string>
 #include <vector>
 
@@ -100,6 +102,18 @@ bool track(DplAvatar avatar) {
         std::printf("\n");
     }
     return dplDestroyTracker(tracker) == DPL_OK;
+}
+
+/** Sets the face to "NAME=WEIGHT,..." or, by "-", to the neutral one. */
+bool setExpression(DplAvatar avatar, const std::string& text) {
+    std::vector<std::string> names;
+    std::vector<float> weights;
+    std::istringstream parts(text == "-" ? "" : text);
+    for (std::string name, weight; std::getline(parts, name, '=') && std::getline(parts, weight, ',');)
+        names.push_back(name), weights.push_back(std::strtof(weight.c_str(), nullptr));
+    std::vector<const char*> given(names.size() + 1);  // of no names, the pointer is not null
+    for (size_t i = 0; i < names.size(); ++i) given[i] = names[i].c_str();
+    return dplSetExpressionNamed(avatar, given.data(), weights.data(), uint32_t(names.size())) == DPL_OK;
 }
 
 bool writeFile(const std::string& name, const std::vector<uint8_t>& bytes) {
@@ -197,10 +211,11 @@ int main(int argc, char** argv) {
     double timeS = 0;
     float eye[3], target[3], fovYRad = 0;
     uint32_t width = 0, height = 0;
-    std::string file;
+    std::string expression, file;
     while (std::cin >> clip >> timeS >> eye[0] >> eye[1] >> eye[2] >> target[0] >> target[1] >> target[2] >> fovYRad >> width >> height >>
-           file) {
+           expression >> file) {
         if (clip >= 0 && dplSetPoseFromClip(avatar, uint32_t(clip), timeS, DPL_TRUE) != DPL_OK) return complain(file);
+        if (!setExpression(avatar, expression)) return complain(expression);
         if (splats) {
             const std::vector<uint8_t> bytes = splatsFor(eye, avatar);
             if (bytes.empty()) return complain(file);

@@ -6,11 +6,21 @@ export const SHOTS = [
   { name: 'walk-late', clip: 0, time: 1.9, eye: [-2.4, 1.5, -1.6], target: [0, 0.9, 0], fovY: 0.7, width: 320, height: 480 },
   { name: 'moves', clip: 1, time: 2.5, eye: [0.3, 1.4, 3], target: [0, 1, 0], fovY: 0.75, width: 301, height: 477 },
   { name: 'face', clip: 0, time: 0.4, eye: [0.1, 1.6, 0.8], target: [0, 1.5, 0], fovY: 0.6, width: 400, height: 400 },
+  { name: 'smile', clip: 0, time: 0.4, eye: [0.1, 1.6, 0.8], target: [0, 1.5, 0], fovY: 0.6, width: 400, height: 400,
+    expression: { mouthSmileLeft: 0.9, mouthSmileRight: 0.8, eyeBlinkLeft: 1, jawOpen: 0.4 } },
   { name: 'far', clip: 0, time: 1, eye: [4, 2, 9], target: [0, 0.9, 0], fovY: 0.7, width: 320, height: 240 },
 ];
 
 /** A line of the referee's input. */
-export const line = (shot, file) => [shot.clip, shot.time, ...shot.eye, ...shot.target, shot.fovY, shot.width, shot.height, file].join(' ');
+export const line = (shot, file) => [shot.clip, shot.time, ...shot.eye, ...shot.target, shot.fovY, shot.width, shot.height,
+  Object.entries(shot.expression ?? {}).map(weight => weight.join('=')).join(',') || '-', file].join(' ');
+
+/** Poses a Doppel as a shot has it. */
+export function poseAs(person, shot) {
+  if (shot.clip >= 0) person.setClip(shot.clip, shot.time);
+  else person.setPose(person.joints.flatMap(() => [0, 0, 0, 1]));
+  person.setExpression(shot.expression ?? {});
+}
 
 /** {db, levels, covered}: PSNR over all channels, Infinity for equal bytes; the largest difference; pixels where the first picture is not empty. */
 export function compare(a, b) {

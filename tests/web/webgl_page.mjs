@@ -4,7 +4,7 @@
 import { Doppel } from '../../platform/web/doppel.js';
 import { SplatRenderer } from '../../platform/web/webgl-renderer.js';
 import { XREyes, cameraOfXRView } from '../../platform/web/webxr.js';
-import { SHOTS } from './shots.mjs';
+import { SHOTS, poseAs } from './shots.mjs';
 
 const MODULE = '/module/doppel.wasm', PERSON = '/work/person.glb', KIT = '/work/kit/';
 const FRAMES = 1000, TIMED = 21;
@@ -28,8 +28,7 @@ async function without(object, name, replacement, body) {
 
 async function shots(person, renderer, prefix) {
   for (const shot of SHOTS) {
-    if (shot.clip >= 0) person.setClip(shot.clip, shot.time);
-    else person.setPose(person.joints.flatMap(() => [0, 0, 0, 1]));
+    poseAs(person, shot);
     renderer.draw(person, person.lookAt(shot));
     await post(`/picture/${prefix}-${shot.name}.rgba`, renderer.read());
   }
