@@ -4,6 +4,7 @@
 #include <cstdio>
 
 #include "reconstruction/judging/ladder/ladder.h"
+#include "reconstruction/judging/report/error_map.h"
 #include "reconstruction/judging/report/plain_words.h"
 #include "reconstruction/judging/report/published_score.h"
 #include "reconstruction/output/package/avatar_bytes.h"
@@ -102,6 +103,7 @@ Result<std::string> evaluateAvatar(const EvaluateOptions& options, Progress& pro
     if (options.out.empty()) return summary;
     data.evidence = avatar.evidence;
     DPL_TRY(data.portrait, drawPortrait(table.scan, cameras, poses, avatar, view, jobs));
+    DPL_TRY(data.errorMap, drawErrorMap(avatar.mesh, data.frames));
     DPL_RETURN_IF_ERROR(bringToLife(options.web, bytes, avatar, data));
     DPL_RETURN_IF_ERROR(writeReport(data, options.out));
     return summary + formatText("\nOpen {} to see the avatar beside these pictures.", (options.out / "report.html").string());

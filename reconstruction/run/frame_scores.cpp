@@ -4,6 +4,7 @@
 #include <cstdio>
 
 #include "reconstruction/base/image_codec.h"
+#include "reconstruction/judging/report/error_map.h"
 #include "sdk/avatar/posed_mesh.h"
 #include "sdk/core/task.h"
 
@@ -49,6 +50,7 @@ Result<std::vector<HeldOutFrame>> scoreFrames(const LabelColours& labelColours, 
             DPL_TRY(out.truthPng, encodePng(truth, w, h, 3));
             DPL_TRY(out.renderPng, encodePng(shown, w, h, 3));
             DPL_TRY(out.differencePng, encodePng(differenceTimesFour(shown, truth), w, h, 3));
+            out.onSurface = differenceOnSurface(posed.positions(), avatar.mesh.triangles, frame.camera, shown, truth, mask);
         }
         scored.push_back(std::move(out));
     }

@@ -6,6 +6,7 @@
 
 #include "reconstruction/judging/ladder/ladder.h"
 #include "reconstruction/judging/report/draw_view.h"
+#include "reconstruction/judging/report/error_map.h"
 #include "reconstruction/judging/report/plain_words.h"
 #include "reconstruction/judging/report/provenance.h"
 #include "reconstruction/judging/report/report.h"
@@ -289,6 +290,7 @@ Status StageOf<ReportFiles>::make(StageInputs& in, StageContext& context) {
     const std::vector<Pose> poses = found.poses();
     const FrameSet heldOut = table->frames(Split::Test, metric->cameras, poses);
     DPL_TRY(data.frames, scoreFrames(labelColours, heldOut, avatar, view, found, true, in.jobs()));
+    DPL_TRY(data.errorMap, drawErrorMap(avatar.mesh, data.frames));
     const FrameSet validation = table->frames(Split::Validation, metric->cameras, poses);
     DPL_TRY(data.validation, scoreFrames(labelColours, validation, avatar, view, found, false, in.jobs()));
     DPL_TRY(data.ladder, measureLadder({table->scan, metric->cameras, avatar, found}, in.jobs()));

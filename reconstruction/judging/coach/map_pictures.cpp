@@ -16,16 +16,8 @@ namespace {
 constexpr int kViewWidthPx = 230, kViewHeightPx = 330, kHeadPx = 26, kScalePx = 56;
 const cv::Scalar kPaper(255, 255, 255), kInk(40, 40, 40), kUnseen(176, 176, 176);
 
-/** A colour scale with marks; values run in equal steps of the logarithm. */
-struct Scale {
-    const char *title, *heading;
-    std::vector<double> marks;  // from good to bad, or from bad to good
-    bool smallIsGood;
-    double (*value)(const SeenTriangle&);
-};
-
 /** 0: worst, 1: best. */
-double goodness(const Scale& scale, double value) {
+double goodness(const MapScale& scale, double value) {
     const double low = std::log2(std::min(scale.marks.front(), scale.marks.back())),
                  high = std::log2(std::max(scale.marks.front(), scale.marks.back()));
     const double share = std::clamp((std::log2(std::max(value, 1e-9)) - low) / (high - low), 0.0, 1.0);
@@ -74,7 +66,7 @@ BodyViews lookAt(const MeshData& surface) {
     return views;
 }
 
-Result<MapPicture> draw(const Scale& scale, const BodyViews& views, std::span<const SeenTriangle> map) {
+Result<std::vector<uint8_t>> draw(const MapScale& scale, const BodyViews& views, std::span<const double> values) {
     cv::Mat picture(kHeadPx + kViewHeightPx + kScalePx, 2 * kViewWidthPx, CV_8UC3, kPaper);
     write(picture, scale.heading, {6, 17}, 0.46);
     for (int back = 0; back < 2; ++back) {
@@ -84,8 +76,8 @@ Result<MapPicture> draw(const Scale& scale, const BodyViews& views, std::span<co
                 const uint32_t t = raster.triangle[size_t(y) * kViewWidthPx + size_t(x)];
                 if (t == kNoTriangle) continue;
                 cv::Vec3b& px = picture.at<cv::Vec3b>(kHeadPx + y, back * kViewWidthPx + x);
-                px = map[t].seen() ? colourOf(goodness(scale, scale.value(map[t])))
-                                   : cv::Vec3b(uint8_t(kUnseen[0]), uint8_t(kUnseen[1]), uint8_t(kUnseen[2]));
+                px = values[t] >= 0 ? colourOf(goodness(scale, values[t]))
+                                    : cv::Vec3b(uint8_t(kUnseen[0]), uint8_t(kUnseen[1]), uint8_t(kUnseen[2]));
                 for (int c = 0; c < 3; ++c) px[c] = uint8_t(std::lround(float(px[c]) * views.light[back][t]));
             }
         write(picture, back ? "back" : "front", {back * kViewWidthPx + 6, kHeadPx + 14});
@@ -107,29 +99,42 @@ Result<MapPicture> draw(const Scale& scale, const BodyViews& views, std::span<co
     cv::rectangle(picture, {grey, top, 16, 14}, kUnseen, cv::FILLED);
     write(picture, "not seen", {grey + 22, top + 12});
     const std::vector<uint8_t> pixels(picture.data, picture.data + picture.total() * 3);
-    DPL_TRY(auto png, encodePng(pixels, uint32_t(picture.cols), uint32_t(picture.rows), 3));
-    return MapPicture{scale.title, std::move(png)};
+    return encodePng(pixels, uint32_t(picture.cols), uint32_t(picture.rows), 3);
+}
+
+Status checkValues(const MeshData& surface, size_t values) {
+    if (!surface.triangles.empty() && values == surface.triangles.size()) return {};
+    return fail(Code::InvalidArgument, "a map of {} triangles for a surface of {}", values, surface.triangles.size());
 }
 
 }  // namespace
 
+Result<std::vector<uint8_t>> drawOnSurface(const MeshData& surface, const MapScale& scale, std::span<const double> values) {
+    DPL_RETURN_IF_ERROR(checkValues(surface, values.size()));
+    return draw(scale, lookAt(surface), values);
+}
+
 Result<std::vector<MapPicture>> drawMap(const MeshData& surface, std::span<const SeenTriangle> map) {
-    if (surface.triangles.empty() || map.size() != surface.triangles.size())
-        return fail(Code::InvalidArgument, "a body map of {} triangles for a surface of {}", map.size(), surface.triangles.size());
-    const Scale scales[] = {
+    DPL_RETURN_IF_ERROR(checkValues(surface, map.size()));
+    struct Kind {
+        const char* title;
+        MapScale scale;
+        double (*value)(const SeenTriangle&);
+    };
+    const Kind kinds[] = {
         {"mm a pixel",
-         "size of a pixel, mm (best picture of each place)",
-         {0.5, 1, 2, 4, 8, 16},
-         true,
+         {"size of a pixel, mm (best picture of each place)", {0.5, 1, 2, 4, 8, 16}, true},
          [](const SeenTriangle& t) { return 1000.0 * double(t.pixelM); }},
-        {"pictures", "still pictures that show it", {1, 2, 4, 8, 16, 32}, false, [](const SeenTriangle& t) { return double(t.views); }},
-        {"blur", "blur of the best picture, px", {0.5, 1, 2, 4}, true, [](const SeenTriangle& t) { return double(t.blurPx); }},
+        {"pictures", {"still pictures that show it", {1, 2, 4, 8, 16, 32}, false}, [](const SeenTriangle& t) { return double(t.views); }},
+        {"blur", {"blur of the best picture, px", {0.5, 1, 2, 4}, true}, [](const SeenTriangle& t) { return double(t.blurPx); }},
     };
     const BodyViews views = lookAt(surface);
     std::vector<MapPicture> out;
-    for (const Scale& scale : scales) {
-        DPL_TRY(MapPicture picture, draw(scale, views, map));
-        out.push_back(std::move(picture));
+    for (const Kind& kind : kinds) {
+        std::vector<double> values;
+        for (const SeenTriangle& t : map) values.push_back(t.seen() ? kind.value(t) : -1.0);
+        DPL_TRY(auto png, draw(kind.scale, views, values));
+        out.push_back({kind.title, std::move(png)});
     }
     return out;
 }

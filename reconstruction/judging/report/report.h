@@ -38,6 +38,7 @@ struct HeldOutFrame {
     FrameScore withoutPoseFit, withPoseFit;
     FrameScore labelFloor, meshFloor;  // baselines: one colour a label inside the frame's mask; posed mesh with vertex colours
     std::vector<uint8_t> truthPng, renderPng, differencePng;  // for report.html; may be empty
+    std::vector<float> onSurface;                             // F, differenceOnSurface(); for report.html; may be empty
 };
 
 struct StageCost {
@@ -126,6 +127,7 @@ struct ReportData {
     std::vector<std::string> provenance;                     // what the figures stand for, one sentence each (provenance.h)
     std::string verdict;                                     // result of the scan check, several lines
     std::vector<HeldOutFrame> frames;                        // held out
+    std::vector<uint8_t> errorMap;                           // PNG of drawErrorMap(); empty: none
     std::vector<HeldOutFrame> validation;                    // set aside for decisions, without pictures
     std::vector<StageCost> stages;
     std::vector<PlotSeries> lossCurves, psnrCurves;

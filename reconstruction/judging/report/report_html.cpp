@@ -71,6 +71,14 @@ void addPictures(std::string& html, const ReportData& data) {
     html += "</div>";
 }
 
+void addErrorMap(std::string& html, const ReportData& data) {
+    if (data.errorMap.empty()) return;
+    html +=
+        "<h2>Where it differs</h2><p class=soft>All pictures above together, on the body: bright is close to them, dark is far from them, "
+        "grey is in none of them.</p><div class=maps>" +
+        pngImage(data.errorMap, "error map: front and back of the body") + "</div>";
+}
+
 void addDifferences(std::string& html, const ReportData& data) {
     if (!hasPictures(data)) return;
     html +=
@@ -203,6 +211,7 @@ std::string reportHtml(const ReportData& data) {
     addAdvice(html, data.filmAgain);
     addClips(html, data.clips);
     addPictures(html, data);
+    addErrorMap(html, data);
     if (const std::vector<std::string> parts = leftOut(data.evidence); !parts.empty()) {
         html += "<h2>What this avatar does not have</h2>";
         html += bulletList(parts);

@@ -42,6 +42,8 @@ TEST(ReportPage, opensWithThePersonAndTheVerdict) {
         EXPECT_LT(verdict, page.find(later)) << later;
     }
     EXPECT_LT(page.find("What to film again"), page.find("The avatar beside its pictures"));
+    EXPECT_LT(page.find("The avatar beside its pictures"), page.find("<h2>Where it differs</h2>"));
+    EXPECT_LT(page.find("<h2>Where it differs</h2>"), page.find("<details class=engineers>"));
 }
 
 TEST(ReportPage, figuresOfEngineersAreFoldedAndAllThere) {
@@ -129,7 +131,8 @@ TEST(ReportPage, withoutScoresThereIsNoEmptySection) {
     const std::string page = pageOf(bareReport());
     EXPECT_NE(page.find("No picture was kept back to judge the avatar by"), std::string::npos);
     EXPECT_NE(page.find("No frame was held out, so nothing is scored here."), std::string::npos);
-    for (const char* empty : {"The avatar beside its pictures", "The ladder", "Training</h2>", "Time and memory", "Body map", "(judged by"})
+    for (const char* empty :
+         {"The avatar beside its pictures", "Where it differs", "The ladder", "Training</h2>", "Time and memory", "Body map", "(judged by"})
         EXPECT_EQ(page.find(empty), std::string::npos) << empty;
     ReportData noPicture = bareReport();
     noPicture.portrait = {};

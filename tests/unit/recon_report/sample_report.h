@@ -50,6 +50,7 @@ inline ReportData fullReport(uint32_t portraitWidthPx = 420, uint32_t portraitHe
             frame.truthPng = frame.renderPng = frame.differencePng = rampPng(120, 260);
             data.frames.push_back(frame);
         }
+    data.errorMap = rampPng(460, 412);
     data.stages = {{"co-optimise", 1800, uint64_t(3) << 30, false}, {"report", 20, uint64_t(1) << 30, true}};
     data.lossCurves = {{"total", {0, 1, 2}, {0.5, 0.1, 0.02}}};
     data.psnrCurves = {{"masked", {0, 1, 2}, {15, 20, 24}}};

@@ -95,6 +95,7 @@ TEST_F(StageReport, scoresTheHeldOutFramesAndWritesItsFiles) {
     EXPECT_EQ(json["limits"], nlohmann::json({"hair as a layer of its own: not seen"}));
 
     EXPECT_TRUE(text("report.html").starts_with("<!doctype html>"));
+    EXPECT_NE(text("report.html").find("alt=\"error map"), std::string::npos);
     char headline[64];
     std::snprintf(headline, sizeof headline, "masked PSNR %.2f dB", mean("static", "with_pose_fit"));
     EXPECT_NE(text("summary.txt").find(headline), std::string::npos);
