@@ -2,7 +2,7 @@
 // Runs in the browser: draws SHOTS and tries <doppel-avatar>, and sends what it found to the server of browser_test.mjs.
 import { Doppel } from '../../platform/web/doppel.js';
 import '../../platform/web/doppel-avatar.js';
-import { SHOTS } from './shots.mjs';
+import { SHOTS, poseAs } from './shots.mjs';
 
 const MODULE = '/module/doppel.wasm', PERSON = '/work/person.glb';
 const LIMIT_MS = 600000;
@@ -36,7 +36,7 @@ async function pictures() {
   const person = await Doppel.load(PERSON, { module: MODULE });
   found.loadMs = performance.now() - started;
   for (const shot of SHOTS) {
-    if (shot.clip >= 0) person.setClip(shot.clip, shot.time);
+    poseAs(person, shot);
     await post(`/picture/${shot.name}.rgba`, person.draw(person.lookAt(shot)));
   }
   const times = [], camera = person.lookAt({ ...SHOTS[0], width: 480, height: 640 });
@@ -106,6 +106,73 @@ async function whole() {
   shown.remove();
 }
 
+/** How long after the page was asked for the element shows somebody. */
+async function first() {
+  const shown = element({ src: PERSON });
+  await happens(shown, 'first-picture');
+  found.firstMs = performance.now();
+  found.renderer = shown.drawnBy;
+  shown.remove();
+}
+
+/** What visitors and pages do beside turning: two fingers, a wish for less motion, scrolling away, another tab, contents of their own. */
+async function visitors() {
+  const shown = element({ src: PERSON, 'camera-controls': '' });
+  await happens(shown, 'first-picture');
+  const before = opaque(pixels(shown));
+  canvasOf(shown).setPointerCapture = () => {};
+  const finger = (type, x, id) => canvasOf(shown).dispatchEvent(new PointerEvent(type, { pointerId: id, clientX: x, clientY: 50 }));
+  finger('pointerdown', 100, 1);
+  finger('pointerdown', 140, 2);
+  finger('pointermove', 160, 2);
+  finger('pointerup', 160, 2);
+  finger('pointercancel', 100, 1);
+  await becomes('two fingers that part bring the person nearer', () => opaque(pixels(shown)) > 1.3 * before);
+
+  const goesOn = async () => {
+    const time = shown.currentTime;
+    await becomes('the clip goes on', () => shown.currentTime > time + 0.1);
+  };
+  const stops = async () => {
+    let time = NaN, still = 0;
+    await becomes('the clip stops', () => {
+      still = shown.currentTime === time ? still + 1 : 0;
+      time = shown.currentTime;
+      return still > 20;
+    });
+  };
+  shown.play();
+  await goesOn();
+  document.querySelector('main').style.paddingTop = '10000px';
+  await stops();
+  document.querySelector('main').style.paddingTop = '';
+  await goesOn();
+  Object.defineProperty(document, 'hidden', { value: true, configurable: true });
+  document.dispatchEvent(new Event('visibilitychange'));
+  await stops();
+  delete document.hidden;
+  document.dispatchEvent(new Event('visibilitychange'));
+  await goesOn();
+  shown.remove();
+
+  await without(globalThis, 'matchMedia', () => () => ({ matches: true }), async () => {
+    const calm = element({ src: PERSON, autoplay: '' });
+    await happens(calm, 'first-picture');
+    found.calm = calm.paused && calm.currentTime === 0;
+    calm.remove();
+  });
+
+  const slotted = element({ src: PERSON }), own = document.createElement('p');
+  own.slot = 'poster';
+  own.textContent = 'somebody comes';
+  slotted.append(own);
+  const seen = () => own.checkVisibility();
+  found.slot = { before: seen() };
+  await happens(slotted, 'first-picture');
+  found.slot.after = seen();
+  slotted.remove();
+}
+
 /** On a screen of three pixels a CSS pixel, of which two are drawn; by the CPU, too. */
 async function dense() {
   found.density = devicePixelRatio;
@@ -125,6 +192,8 @@ async function failures() {
   found.missing = await happens(gone, 'error');
   const poster = gone.shadowRoot.querySelector('img');
   found.poster = !poster.hidden && canvasOf(gone).style.visibility === 'hidden';
+  gone.setAttribute('src', `http://localhost:${location.port}${PERSON}`);  // the same server by another name, which allows no other page
+  found.cors = await happens(gone, 'error');
   gone.setAttribute('src', '/tests/page.html');
   found.foreign = await happens(gone, 'error');
   gone.setAttribute('src', PERSON);
@@ -196,9 +265,9 @@ async function several() {
   for (const one of all) one.remove();
 }
 
-const ALL = [pictures, theElement, whole, failures, several, fallbacks];
+const ALL = [pictures, theElement, visitors, whole, failures, several, fallbacks], ALONE = { '?dense': dense, '?first': first };
 try {
-  for (const part of location.search === '?dense' ? [dense] : ALL) await part();
+  for (const part of location.search ? [ALONE[location.search]] : ALL) await part();
 } catch (error) {
   found.thrown = `${error.message}\n${error.stack}`;
 }

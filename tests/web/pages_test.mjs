@@ -55,6 +55,31 @@ const PIXELS = `(() => {
 const differ = (a, b) => a.filter((value, i) => Math.abs(value - b[i]) > 40).length;
 const seen = pixels => pixels.filter((value, i) => i % 4 === 3 && value > 200).length;
 
+/** Zooms in as far as it goes: not nearer than the pictures of the scan show detail. */
+async function staysFarEnough(page) {
+  const { distance, nearest, before } = await page.eval(`(async () => {
+    const avatar = document.querySelector('doppel-avatar'), { person } = avatar, look = person.lookAt.bind(person);
+    let view = null;
+    person.lookAt = (options, into) => {
+      view = { eye: [...options.eye], target: [...options.target], height: options.height };
+      return look(options, into);
+    };
+    const frame = () => new Promise(done => requestAnimationFrame(() => requestAnimationFrame(done)));
+    const far = () => Math.hypot(...view.eye.map((place, k) => place - view.target[k]));
+    avatar.redraw();
+    await frame();
+    const before = far();
+    for (let i = 0; i < 40; ++i) avatar.shadowRoot.querySelector('canvas').dispatchEvent(new WheelEvent('wheel', { deltaY: -400, cancelable: true }));
+    await frame();
+    const nearest = person.nearestDistance(view.target, view.eye, view.height / (2 * Math.tan(0.3)), 3);
+    delete person.lookAt;
+    return { distance: far(), nearest, before };
+  })()`);
+  assert.ok(nearest > 0, 'the avatar has a capture map');
+  const least = Math.max(0.25 * before, Math.min(before, nearest));
+  assert.ok(Math.abs(distance - least) < 0.01 * least, `${distance} m of ${before} m; ${nearest} m is the nearest that shows more`);
+}
+
 async function lives(file, name, width, height) {
   const started = performance.now();
   const page = await browser.open(pathToFileURL(file).href, { width, height });
@@ -84,6 +109,7 @@ async function lives(file, name, width, height) {
     last = now;
   }
   assert.ok(stands, 'a paused person stands still');
+  await staysFarEnough(page);
   const asked = page.requests.filter(url => !url.startsWith('data:') && !url.startsWith('blob:') && !url.startsWith('file:'));
   assert.deepEqual(asked, [], 'no network');
   assert.deepEqual(page.errors, []);

@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // node webgl_test.mjs [FILE]: webgl_page.mjs in headless Chromium. WEB_REFEREE: pictures of SHOTS by dplRender; WEB_LIBRARY: those of the
-// conformance kit; WEB_REFEREE_PROGRAM: web_referee. Writes the pictures of WebGL2 to WEB_WORK/webgl, and its figures to FILE, a JSON
+// conformance kit; WEB_REFEREE_PROGRAM: web_referee; WEB_DOPPEL: the command line. Writes the pictures of WebGL2 to WEB_WORK/webgl, and its figures to FILE, a JSON
 // object a line. The rest: browser.mjs.
 import assert from 'node:assert/strict';
 import { execFileSync } from 'node:child_process';
 import fs from 'node:fs';
 import path from 'node:path';
+import zlib from 'node:zlib';
 import { visit } from './browser.mjs';
 import { png, readPng } from './png.mjs';
 import { SHOTS, compare, line } from './shots.mjs';
@@ -13,7 +14,8 @@ import { SHOTS, compare, line } from './shots.mjs';
 const LEAST_DB = 60;
 const LEAST_DB_SAMPLES = 66;  // four samples a pixel: measured 70 and 71, and 62 with the samples mirrored
 const LEAST_DB_RGBA8 = 45;  // every splat is rounded to 8 bits; measured 49 to 56
-const { WEB_REFEREE, WEB_LIBRARY, WEB_WORK, WEB_REFEREE_PROGRAM } = process.env;
+const { WEB_REFEREE, WEB_LIBRARY, WEB_WORK, WEB_REFEREE_PROGRAM, WEB_DOPPEL, WEB_MODULE } = process.env;
+const VISITS = 3;
 const folder = path.join(WEB_WORK, 'webgl');
 const { result, pictures } = await visit('webgl.html');
 fs.mkdirSync(folder, { recursive: true });
@@ -80,4 +82,25 @@ rows.push({
   row: 'growth', frames: growth.frames, module_bytes: growth.wasm, second_half_bytes: growth.later, garbage_bytes_a_frame: growth.garbage / (growth.frames / 2),
   bars: { module_bytes: { value: 0, kind: 'at most' } },
 });
+
+// What a page loads, and how soon it shows somebody.
+const web = path.dirname(WEB_MODULE), person = path.join(WEB_WORK, 'person.glb'), personBytes = fs.statSync(person).size;
+const packed = (what, files, bars = {}) => {
+  const bytes = Buffer.concat(files.map(file => fs.readFileSync(path.join(web, file))));
+  const row = { row: 'size', what, bytes: bytes.length, gzip: zlib.gzipSync(bytes, { level: 9 }).length, brotli: zlib.brotliCompressSync(bytes).length, bars };
+  rows.push(row);
+  console.log(`${what}: ${row.bytes} bytes, gzip ${row.gzip}, brotli ${row.brotli}`);
+};
+packed('doppel.wasm', ['doppel.wasm'], { brotli: { value: 330000, kind: 'at most' } });
+packed('doppel-splats.wasm, for general splats', ['doppel-splats.wasm']);
+packed('the scripts of the element', ['doppel-avatar.js', 'doppel.js', 'webgl-renderer.js', 'splat-pacer.js']);
+const shared = path.join(WEB_WORK, 'shared-person.html');
+execFileSync(WEB_DOPPEL, ['share', person, '-o', shared], { stdio: 'ignore' });
+const beyond = fs.statSync(shared).size - Math.round(personBytes * 4 / 3);
+rows.push({ row: 'page', avatar_bytes: personBytes, bytes: fs.statSync(shared).size, beyond_bytes: beyond, bars: { beyond_bytes: { value: 650000, kind: 'at most' } } });
+const firstMs = [];
+for (let i = 0; i < VISITS; ++i) firstMs.push((await visit('page.html?first')).result.firstMs);
+firstMs.sort((a, b) => a - b);
+rows.push({ row: 'first', avatar_bytes: personBytes, first_ms: firstMs[VISITS >> 1], most_ms: firstMs.at(-1), bars: { first_ms: { value: 1500, kind: 'at most' } } });
+console.log(`a shared page: ${beyond} bytes beyond 4/3 of the avatar; first picture of ${personBytes} bytes after ${firstMs.map(ms => ms.toFixed(0)).join(', ')} ms`);
 if (process.argv[2]) fs.writeFileSync(process.argv[2], rows.map(row => `${JSON.stringify(row)}\n`).join(''));

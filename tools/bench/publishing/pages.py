@@ -329,6 +329,14 @@ def web(store):
                 return [number(module, 1), number(native, 1), number(module / native)]
             text += "\n" + table(["splats drawn", "posed mesh, ms", "native", "times", "cull, project and sort, ms", "native", "times"],
                                  [[number(r["splats"], 0), *cells(r, "mesh"), *cells(r, "rest")] for r in parts])
+        sizes, page, first = [r for r in rows if r["row"] == "size"], find(rows, row="page"), find(rows, row="first")
+        if sizes and page and first:
+            text += "\n" + table(["what a page loads", "bytes", "gzip −9", "brotli 11"], [
+                [r["what"], number(r["bytes"], 0), number(r["gzip"], 0), barred(r, "brotli", 0)] for r in sizes])
+            text += "\n" + table(["a page with somebody", "figure"], [
+                [f"first picture of an avatar of {number(first['avatar_bytes'], 0)} bytes from a local server, after the page was asked for, ms",
+                 barred(first, "first_ms", 0) + f"; at most {number(first['most_ms'], 0)}"],
+                ["`doppel share`, bytes beyond 4/3 of the avatar", barred(page, "beyond_bytes", 0)]])
         return text + "\n" + table(["picture", "to the CPU renderer, dB", "largest difference, levels"], [
             [r["picture"], "equal bytes" if r["psnr_db"] is None else barred(r, "psnr_db", 1), r["levels"]] for r in pictures])
     text = BACK + (
