@@ -144,21 +144,24 @@ test('the face shows what it is given, whatever the pose, and streams go by thei
   await fails(() => person.setExpression({}), 'DPL_ERROR_INVALID_ARGUMENT', /disposed/);
 });
 
-test('clothes remember poses that have a time, forget, and remember again', async () => {
-  const person = await load(), rest = person.joints.flatMap(() => [0, 0, 0, 1]), at = name => 4 * person.joints.findIndex(({ bone }) => bone === name);
+test('a pose may have a time, and what clothes remember is saved and restored', async () => {
+  const person = await load(), rest = person.joints.flatMap(() => [0, 0, 0, 1]), arm = 4 * person.joints.findIndex(({ bone }) => bone === 'leftUpperArm');
   const raised = [...rest];
-  raised.splice(at('leftUpperArm'), 4, 0, 0, Math.sin(0.6), Math.cos(0.6));
+  raised.splice(arm, 4, 0, 0, Math.sin(0.6), Math.cos(0.6));
+  person.setPose(raised, [0, 0, 0.25]);
+  const places = person.jointPositions();
   person.setPose(rest, [0, 0, 0], { timeMs: 1000 });
-  person.setPose(raised, [0, 0, 0], { timeMs: 1100 });
+  assert.notDeepEqual(person.jointPositions(), places);
+  person.setPose(raised, [0, 0, 0.25], { timeMs: 1100 });
+  assert.deepEqual(person.jointPositions(), places, 'with a time it is the same pose');
   const state = person.motionState();
   assert.ok(state instanceof Uint8Array && state.length > 8, `${state.length} bytes`);
   person.settle();
-  assert.notDeepEqual(person.motionState(), state);
   person.setMotionState(state);
   assert.deepEqual(person.motionState(), state);
-  await fails(() => person.setMotionState(new Uint8Array(3)), 'DPL_ERROR_INVALID_ARGUMENT', /./);
+  await fails(() => person.setMotionState(state.subarray(1)), 'DPL_ERROR_INVALID_ARGUMENT', /motion state/);
   await fails(() => person.setPose(rest, [0, 0, 0], { timeMs: NaN }), 'DPL_ERROR_INVALID_ARGUMENT', /a time of NaN ms/);
-  assert.deepEqual(person.motionState(), state, 'after errors it is remembered');
+  assert.deepEqual(person.jointPositions(), places, 'after errors the pose stays');
   const other = await load();
   other.setMotionState(state);
   assert.deepEqual(other.motionState(), state, 'another person of the same file takes it');
@@ -240,10 +243,6 @@ test('wrong calls are errors, and the person lives', async () => {
   await fails(() => person.setTransform([1, 2, 3]), 'DPL_ERROR_INVALID_ARGUMENT', /12 are needed/);
   await fails(() => person.lookAt({ ...SHOTS[0], eye: SHOTS[0].target }), 'DPL_ERROR_INVALID_ARGUMENT', /./);
   await fails(() => person.loadClip(Buffer.from('HIERARCHY nothing')), 'DPL_ERROR_CORRUPT_DATA', /./);
-  const bvh = x => Buffer.from(`HIERARCHY\nROOT hips\n{\nOFFSET 0 0 0\nCHANNELS 6 Xposition Yposition Zposition Zrotation Xrotation Yrotation
-End Site\n{\nOFFSET 0 1 0\n}\n}\nMOTION\nFrames: 2\nFrame Time: 0.04\n0 0 0 0 0 0\n${x} 0 0 0 0 0\n`);
-  for (const x of ['nan', 'inf']) await fails(() => person.loadClip(bvh(x)), 'DPL_ERROR_CORRUPT_DATA', /./);
-  assert.equal(person.clips.length, 2, 'a motion of numbers that are none is no clip');
   person.draw(camera);
 });
 

@@ -382,10 +382,9 @@ DPL_EXPERIMENTAL DplResult dplFindExpression(const char* name, uint32_t* express
  *  expression then stays. */
 DPL_EXPERIMENTAL DplResult dplSetExpression(DplAvatar avatar, const float* weights, uint32_t count);
 
-/** The same from a stream of another program, by its names. names: `count` of them, at most 1024: ARKit's, sides also as in its raw values
- *  in Swift ("eyeBlink_L"); MediaPipe's, whose `_neutral` says nothing; Live Link's, whose nine angles of head and eyes are left out; or
- *  VRM's ("happy", "aa", "blink" ...), each a mixture of ARKit's. What several names move is added up and held in 0 to 1. names NULL: count
- *  must be 52 (ARKit's order) or 61 (Live Link's).
+/** The same from a stream of another program, by its names. names: `count` of them, at most 1024: ARKit's, also as "eyeBlink_L", which are
+ *  its raw values in Swift; MediaPipe's, of which `_neutral` says nothing; Live Link's, whose nine angles are left out; or VRM's ("happy",
+ *  "aa" ...), mixtures of ARKit's. What several move is added up and held in 0 to 1. names NULL: count must be 52 (ARKit's order) or 61.
  *  DPL_ERROR_INVALID_ARGUMENT also: another count without names, or an unknown name (the text names it). */
 DPL_EXPERIMENTAL DplResult dplSetExpressionNamed(DplAvatar avatar, const char* const* names, const float* weights, uint32_t count);
 
