@@ -1,16 +1,21 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Fetches a tiny archive with tools/models from a server of this process, which cuts, lies and refuses.
+"""Fetches a tiny archive with tools/models from a server of this process, which cuts, lies and refuses; and kills `doppel setup` in the
+middle of it.
 
-    fetch_test.py SOURCE     SOURCE: the repository
+    fetch_test.py SOURCE [DOPPEL]     SOURCE: the repository; DOPPEL: the program, without which nothing is killed
 """
+import fcntl
 import hashlib
 import http.server
 import io
 import json
 import os
 import pathlib
+import re
 import resource
+import shutil
+import signal
 import subprocess
 import sys
 import tarfile
@@ -19,6 +24,8 @@ import threading
 import unittest
 
 SOURCE = pathlib.Path(sys.argv[1])
+DOPPEL = sys.argv[2] if len(sys.argv) > 2 else None
+BLOCK = 256 * 1024  # tools/models keeps what it fetched in such blocks
 sys.path.insert(0, str(SOURCE / "tools" / "tfjs2onnx"))
 sys.path.insert(0, str(SOURCE / "tests" / "models"))
 from convert import convert  # noqa: E402
@@ -27,6 +34,7 @@ from tiny_model import TinyModel  # noqa: E402
 
 class Server(http.server.BaseHTTPRequestHandler):
     archive, cut_after, ranges, served = b"", None, True, []
+    go_on = None  # an event: what comes after `cut_after` is held back until it is set
 
     def do_GET(self):
         begin = 0
@@ -38,12 +46,15 @@ class Server(http.server.BaseHTTPRequestHandler):
         self.send_header("Content-Length", str(len(body)))
         self.end_headers()
         self.wfile.write(body if self.cut_after is None else body[:self.cut_after])
+        if self.go_on:
+            self.wfile.flush()
+            self.go_on.wait(600)
 
     def log_message(self, *_):
         pass
 
 
-class Fetch(unittest.TestCase):
+class Served(unittest.TestCase):
     def setUp(self):
         temporary = tempfile.TemporaryDirectory()
         self.addCleanup(temporary.cleanup)
@@ -61,7 +72,7 @@ class Fetch(unittest.TestCase):
                 member = tarfile.TarInfo("package/" + name)
                 member.size = len(data)
                 package.addfile(member, io.BytesIO(data))
-        Server.archive, Server.cut_after, Server.ranges, Server.served = packed.getvalue(), None, True, []
+        Server.archive, Server.cut_after, Server.ranges, Server.served, Server.go_on = packed.getvalue(), None, True, [], None
         self.server = http.server.ThreadingHTTPServer(("127.0.0.1", 0), Server)
         threading.Thread(target=self.server.serve_forever, daemon=True).start()
         self.addCleanup(self.server.server_close)
@@ -72,6 +83,13 @@ class Fetch(unittest.TestCase):
                      "networks": [{"model": "tiny", "title": "Tiny", "file": "tiny.onnx",
                                    "sha256": hashlib.sha256(self.network).hexdigest()}]}
 
+    def installed(self, run):
+        self.assertEqual(run.returncode, 0, run.stderr)
+        self.assertEqual((self.out / "tiny.onnx").read_bytes(), self.network)
+        self.assertEqual(sorted(p.name for p in self.out.iterdir()), [".setup.lock", "LICENCE.txt", "tiny.onnx"], "the archive goes")
+
+
+class Fetch(Served):
     def run_models(self, *arguments, limit_bytes=None):
         (self.folder / "pins.json").write_text(json.dumps(self.pins))
         environment = {k: v for k, v in os.environ.items() if "proxy" not in k.lower()}
@@ -86,11 +104,6 @@ class Fetch(unittest.TestCase):
         for word in words:
             self.assertIn(word, run.stderr)
         self.assertFalse((self.out / "tiny.onnx").exists())
-
-    def installed(self, run):
-        self.assertEqual(run.returncode, 0, run.stderr)
-        self.assertEqual((self.out / "tiny.onnx").read_bytes(), self.network)
-        self.assertEqual(sorted(p.name for p in self.out.iterdir()), [".setup.lock", "LICENCE.txt", "tiny.onnx"], "the archive goes")
 
     def test_fetches_and_installs(self):
         self.installed(self.run_models())
@@ -137,11 +150,92 @@ class Fetch(unittest.TestCase):
         self.assertEqual(Server.served, [])
         self.assertTrue(archive.exists())
 
+    def test_what_a_killed_conversion_left_goes(self):
+        (self.out / ".convert-killed").mkdir(parents=True)
+        (self.out / ".convert-killed" / "tiny.bin").write_bytes(b"half")
+        self.installed(self.run_models())
+
     def test_says_what_it_would_fetch(self):
         text = self.run_models("--describe").stdout
         for word in ("Tiny weights", "Apache-2.0", "MIT", "127.0.0.1", "MiB"):
             self.assertIn(word, text)
         self.assertFalse(self.out.exists())
+
+
+@unittest.skipUnless(DOPPEL, "no program to kill")
+class KilledSetup(Served):
+    """An installed `doppel setup`, with the archive of these tests in the place of the real one."""
+
+    def setUp(self):
+        super().setUp()
+        self.out = self.folder / "share" / "doppel" / "models"
+        installed = self.folder / "prefix" / "share" / "doppel" / "setup"
+        for folder in (installed, self.folder / "prefix" / "bin", self.folder / "bin"):
+            folder.mkdir(parents=True)
+        shutil.copy2(DOPPEL, self.folder / "prefix" / "bin" / "doppel")
+        shutil.copy2(SOURCE / "tools" / "models", installed)
+        shutil.copytree(SOURCE / "tools" / "tfjs2onnx", installed / "tfjs2onnx")
+        (installed / "networks.json").write_text(json.dumps(self.pins))
+        (self.folder / "bin" / "python3").symlink_to(sys.executable)
+        for program in ("ffmpeg", "colmap"):  # only the networks are missing
+            (self.folder / "bin" / program).write_text("#!/bin/sh\n")
+            (self.folder / "bin" / program).chmod(0o755)
+
+    def begin(self):
+        return subprocess.Popen([self.folder / "prefix" / "bin" / "doppel", "setup", "--yes"], stdin=subprocess.DEVNULL, text=True,
+                                stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
+                                env={"PATH": str(self.folder / "bin"), "XDG_DATA_HOME": str(self.folder / "share")})
+
+    def set_up(self):
+        process = self.begin()
+        text = process.communicate(timeout=600)[0]
+        return subprocess.CompletedProcess(process.args, process.returncode, text, text)
+
+    def begin_until_a_block_is_kept(self):
+        """A setup whose fetch waits for more. Returns it and its fetch."""
+        Server.cut_after, Server.go_on = BLOCK + 1000, threading.Event()
+        self.addCleanup(Server.go_on.set)
+        setup = self.begin()
+        self.addCleanup(setup.stdout.close)
+        line = " "
+        while not re.match(r"  [\d.]+ MiB of ", line):  # the first line of progress comes after the first block
+            self.assertTrue(line, "it ended by itself")
+            line = setup.stdout.readline()
+        fetch = "".join(path.read_text() for path in pathlib.Path(f"/proc/{setup.pid}/task").glob("*/children"))
+        return setup, int(fetch)
+
+    def server_goes_on(self):
+        Server.go_on.set()
+        Server.cut_after, Server.go_on = None, None
+
+    def test_all_of_it_is_killed_and_the_next_one_goes_on(self):
+        setup, fetch = self.begin_until_a_block_is_kept()
+        setup.kill()
+        os.kill(fetch, signal.SIGKILL)
+        setup.wait()
+        self.server_goes_on()
+        kept = (self.out / "archive.part").read_bytes()
+        self.assertEqual(kept, Server.archive[:BLOCK])
+        with open(self.out / ".setup.lock") as lock:  # until the killed fetch is gone
+            fcntl.flock(lock, fcntl.LOCK_EX)
+        run = self.set_up()
+        self.installed(run)
+        self.assertIn("going on after", run.stdout)
+        self.assertEqual(Server.served, [0, BLOCK])
+        self.assertIn("Everything is there", self.set_up().stdout)
+
+    def test_the_program_is_killed_and_its_fetch_lives_on(self):
+        setup, _ = self.begin_until_a_block_is_kept()
+        setup.kill()
+        setup.wait()
+        run = self.set_up()
+        self.assertEqual(run.returncode, 1, run.stdout)
+        self.assertIn("another setup writes", run.stdout)
+        self.server_goes_on()
+        with open(self.out / ".setup.lock") as lock:  # until the fetch has heard that its server is gone
+            fcntl.flock(lock, fcntl.LOCK_EX)
+        self.installed(self.set_up())
+        self.assertGreaterEqual(Server.served[1], BLOCK)
 
 
 if __name__ == "__main__":
