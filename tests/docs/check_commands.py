@@ -143,11 +143,9 @@ class Checker:
 
 
 def lines_of(block):
-    """Commands of a sh block, continued lines joined."""
-    text = block.text.replace("\\\n", " ")
-    for number, line in enumerate(text.splitlines(), block.line):
-        if line.strip() and not line.lstrip().startswith("#"):
-            yield from parts_of(number, line)
+    """The commands of a sh block, each part of a && by itself."""
+    for number, line in block.commands():
+        yield from parts_of(number, line)
 
 
 def parts_of(number, line):

@@ -1,17 +1,21 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Holds the pages of the repository: links and anchors lead somewhere, paths in backticks exist, tables are whole, ADRs fit on a page."""
+"""Holds the pages of the repository: links and anchors lead somewhere, paths in backticks exist, tables are whole, ADRs fit on a page,
+first programs are short."""
 import pathlib
 import re
 import runpy
 import sys
 
 import markdown
+import recipes
 
 ROOMS = ("sdk", "shaders", "apps", "reconstruction", "tools", "tests", "docs", "platform")
 PATH = re.compile(r"(?:%s)/[\w./+-]*" % "|".join(ROOMS))
 MAX_ADR_WORDS = 500
 MAX_README_WORDS = 60
+# The most lines of the C++ programs of a page, in their order, without empty lines and those of comments alone.
+MAX_PROGRAM_LINES = {"docs/guides/sdk.md": (12, 45)}
 README_NAMES = ("app engineers", "people who film", "studios", "iOS", "visionOS", "Android", "Quest", "Linux", "Windows")
 
 
@@ -130,6 +134,17 @@ def readme_problems(root, page):
             yield f"README.md: a paragraph of {words} words, at most {MAX_README_WORDS}: {paragraph[:60]}"
 
 
+def program_problems(page):
+    limits = MAX_PROGRAM_LINES.get(page.name, ())
+    programs = [block for block in page.blocks if block.language == "cpp" and recipes.is_program(block)]
+    if len(programs) < len(limits):
+        yield f"{page.name}: {len(programs)} programs in C++, and limits for {len(limits)}"
+    for block, limit in zip(programs, limits):
+        count = sum(not re.match(r"\s*(//.*)?$", line) for line in block.text.splitlines())
+        if count > limit:
+            yield f"{page.name}:{block.line}: a program of {count} lines; {limit} is the most"
+
+
 def problems(root):
     yield from arrow_problems(root)
     all_pages = list(markdown.pages(root))
@@ -142,6 +157,7 @@ def problems(root):
         yield from cited_problems(root, page)
         yield from readme_problems(root, page)
         yield from guide_problems(root, page)
+        yield from program_problems(page)
         if not page.is_history():
             yield from path_problems(root, page)
 

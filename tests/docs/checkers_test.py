@@ -12,6 +12,7 @@ sys.path.insert(0, str(pathlib.Path(__file__).parent))
 import check_commands
 import check_pages
 import check_snippets
+import guide_lines
 
 # A stand-in for doppel: knows `render` with --size, and `body import`.
 DOPPEL = """#!/bin/sh
@@ -96,6 +97,43 @@ class Checkers(unittest.TestCase):
         self.page("# Doppel\nFor app engineers, people who film and studios, on iOS, visionOS, Android, Linux and Windows.\n\n" + "word " * 61,
                   "README.md")
         self.complaints(["does not say 'Quest'", "a paragraph of 61 words"], check_pages.problems(self.root))
+
+    def test_programs_that_grow(self):
+        (self.root / "docs/guides").mkdir()
+        program = "```cpp\n// a comment\n\nint main() {\n" + "    f();  // said\n" * 11 + "}\n```\n"
+        self.page("# Guides\n[sdk](sdk.md)\n", "docs/guides/README.md")
+        self.page(program, "docs/guides/sdk.md")
+        self.complaints(["1 programs in C++, and limits for 2", "sdk.md:2: a program of 13 lines; 12 is the most"],
+                        check_pages.problems(self.root))
+
+    def guides(self, table, page="```sh\ntools/bootstrap  # once\ndoppel render a.glb \\\n    --size 8x8\ndoppel-viewer a.glb\ntools/deps no-ndk\n```\n"):
+        """The script and what is wrong, of one guide."""
+        (self.root / "docs/guides").mkdir(exist_ok=True)
+        self.page(page, "docs/guides/viewer.md")
+        self.page(f"## Commands of the guides\n| command | what | why |\n|---|---|---|\n{table}", "docs/portability.md")
+        with unittest.mock.patch.multiple(guide_lines, FIRST=(("viewer", "tools/bootstrap"),), MADE={("viewer", "doppel render"): ("touch a.glb",)}):
+            ahead, rest, wrong = guide_lines.plan(self.root)
+            lines = [line for line in guide_lines.script(ahead, rest, ()).splitlines() if line.startswith(("made ", "run ", "window "))]
+            return [line.replace("docs/guides/viewer.md", "viewer") for line in lines], wrong
+
+    def test_guides_run_as_they_stand_there(self):
+        table = ("| `doppel render …` | as `doppel render … --quiet` | dear |\n| `doppel-viewer …` | a window | no end |\n"
+                 "| `tools/deps …` | not run | no NDK |\n")
+        self.assertEqual(self.guides(table), ([
+            "run viewer:2 tools/bootstrap tools/bootstrap", "made 'touch a.glb'",
+            "run viewer:3 'doppel render a.glb --size 8x8' 'doppel render a.glb --size 8x8 --quiet'",
+            "window viewer:5 'doppel-viewer a.glb'"], []))
+
+    def test_guides_without_a_row_run_as_written(self):
+        self.assertIn("run viewer:6 'tools/deps no-ndk' 'tools/deps no-ndk'", self.guides("")[0])
+
+    def test_rows_of_guides_that_are_wrong(self):
+        table = "| `gone` | not run | nobody has it |\n| `doppel render …` | sometimes | so |\n| `tools/deps …` | not run |\n"
+        self.complaints(["portability.md:5: a row is", "portability.md:6: a row is", "portability.md:4: no guide has the command 'gone'"],
+                        self.guides(table)[1])
+
+    def test_fixtures_of_guides_that_nothing_needs(self):
+        self.complaints(["no command begins with 'doppel render'"], self.guides("", "```sh\ntools/bootstrap\n```\n")[1])
 
     def test_what_a_page_must_show_first(self):
         (self.root / "docs/guides").mkdir()

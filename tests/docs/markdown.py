@@ -16,6 +16,18 @@ class Block:
     line: int  # of its first line of text
     text: str
 
+    def commands(self):
+        """Line number and text of each command of a shell block: continued lines are joined, comments and empty lines left out."""
+        command, first = "", self.line
+        for number, line in enumerate(self.text.splitlines(), self.line):
+            first = first if command else number
+            command += line.removesuffix("\\")
+            if line.endswith("\\"):
+                continue
+            if command.strip() and not command.lstrip().startswith("#"):
+                yield first, command
+            command = ""
+
 
 @dataclasses.dataclass
 class Page:
