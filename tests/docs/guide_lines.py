@@ -73,7 +73,8 @@ MADE = {
     ("web", "doppel share"): (AVATARS,),
     ("farm", ""): ("apt-get install -y snakemake", "mkdir -p SCANS && doppel sample -o SCANS/one --small"),
     ("performance", ""): ("cp ada.glb avatar.glb",),
-    ("troubleshooting", ""): ("cp ada.glb avatar.glb", "cp motion.bvh walk.bvh"),
+    ("troubleshooting", ""): (
+        "cp ada.glb avatar.glb", "cp motion.bvh walk.bvh", "[ -e OUT/avatar.glb ] || { mkdir -p OUT && cp ada.glb OUT/avatar.glb; }"),
     ("capture", ""): FILMS,
     ("import", ""): (*FILMS, "rm -rf scan photos", "cp walk.mp4 orbit.mp4",
                      "for name in face hand; do ffmpeg -y -loglevel error -i close.mp4 -c copy $name.mov; done", "cp -r FILMED/images photos"),
