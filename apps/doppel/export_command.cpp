@@ -129,8 +129,8 @@ void addExportCommand(CLI::App& app, CommandRun& run) {
     command->add_option("--threads", options->threadCount, "CPU threads; 0: one for each core. The result is the same for any number")
         ->check(isWholeNumber(256));
     auto* withMesh = command->add_flag("--mesh", *mesh,
-                                       "Write the skinned mesh without splats: texture, normals, skeleton and animations, for any glTF "
-                                       "viewer; with --clip that clip alone");
+                                       "Write the skinned mesh without splats: texture, normals, skeleton, animations, and expressions as "
+                                       "morph targets, for any glTF viewer; with --clip that clip alone");
     auto* withSkinned = command->add_flag("--skinned-splats", *skinnedSplats,
                                           "Write the skinned mesh with the splats bound to it, by the open glTF extension "
                                           "DPL_skinned_gaussian_splatting, for engines that pose splats themselves");
@@ -149,8 +149,8 @@ void addExportCommand(CLI::App& app, CommandRun& run) {
         ->check(CLI::IsMember({"png", "jpg"}))
         ->capture_default_str();
     command
-        ->add_option("--compress", meshOptions->compression,
-                     "With --mesh: draco makes the geometry a quarter, for viewers that know KHR_draco_mesh_compression; none: for all")
+        ->add_option(
+            "--compress", meshOptions->compression,
         ->needs("--mesh")
         ->check(CLI::IsMember({"none", "draco"}))
         ->capture_default_str();
@@ -168,8 +168,8 @@ void addExportCommand(CLI::App& app, CommandRun& run) {
     auto* asVrm =
         command
             ->add_flag("--vrm", *vrm,
-                       "With --mesh: VRM 1.0 for programs that animate persons: T-pose, humanoid bones, the strictest permissions; no "
-                       "clips and no expressions")
+                       "With --mesh: VRM 1.0 for programs that animate persons: T-pose, humanoid bones, the strictest permissions; "
+                       "expressions where the avatar has them; no clips")
             ->needs("--mesh")
             ->excludes("--clip")
             ->excludes("--compress");

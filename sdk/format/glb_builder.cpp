@@ -5,6 +5,22 @@
 
 namespace dpl {
 
+std::vector<uint8_t> glbOf(std::string json, std::span<const uint8_t> bin) {
+    constexpr uint32_t kMagic = 0x46546C67, kVersion = 2, kJson = 0x4E4F534A, kBin = 0x004E4942;
+    while (json.size() % 4) json.push_back(' ');
+    const uint32_t paddedBytes = uint32_t((bin.size() + 3) / 4 * 4), binBytes = bin.empty() ? 0 : 8 + paddedBytes;
+    Writer out;
+    out.value(kMagic), out.value(kVersion), out.value(uint32_t(12 + 8 + json.size() + binBytes));
+    out.value(uint32_t(json.size())), out.value(kJson);
+    out.append({reinterpret_cast<const uint8_t*>(json.data()), json.size()});
+    if (binBytes) {
+        out.value(paddedBytes), out.value(kBin);
+        out.append(bin);
+        out.alignTo(4);
+    }
+    return out.finish();
+}
+
 uint32_t GlbBuilder::addView(std::span<const uint8_t> bytes, int target) {
     while (bin_.size() % 4) bin_.push_back(0);
     Json view = {{"buffer", 0}, {"byteOffset", bin_.size()}, {"byteLength", bytes.size()}};
@@ -30,20 +46,6 @@ std::string GlbBuilder::takeJson() {
     std::string json = root.dump(-1, ' ', false, Json::error_handler_t::replace);
     while (json.size() % 4) json.push_back(' ');
     return json;
-}
-
-std::vector<uint8_t> GlbBuilder::wrap(const std::string& json) const {
-    constexpr uint32_t kMagic = 0x46546C67, kVersion = 2, kJson = 0x4E4F534A, kBin = 0x004E4942;
-    const uint32_t binBytes = bin_.empty() ? 0 : uint32_t(8 + bin_.size());
-    Writer out;
-    out.value(kMagic), out.value(kVersion), out.value(uint32_t(12 + 8 + json.size() + binBytes));
-    out.value(uint32_t(json.size())), out.value(kJson);
-    out.append({reinterpret_cast<const uint8_t*>(json.data()), json.size()});
-    if (binBytes) {
-        out.value(uint32_t(bin_.size())), out.value(kBin);
-        out.append(bin_);
-    }
-    return out.finish();
 }
 
 }  // namespace dpl

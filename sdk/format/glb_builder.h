@@ -5,7 +5,7 @@
 
 #include <cstdint>
 #include <span>
-#include <string_view>
+#include <string>
 #include <vector>
 
 #include <nlohmann/json.hpp>
@@ -18,6 +18,9 @@ using Json = nlohmann::json;
 
 constexpr int kGltfU8 = 5121, kGltfU16 = 5123, kGltfU32 = 5125, kGltfF32 = 5126;
 constexpr int kGltfVertices = 34962, kGltfIndices = 34963;  // buffer view targets
+
+/** A .glb of its JSON and its binary chunk. */
+std::vector<uint8_t> glbOf(std::string json, std::span<const uint8_t> bin);
 
 class GlbBuilder {
 public:
@@ -39,12 +42,11 @@ public:
     std::vector<uint8_t> finish(Patch patchJson) {
         std::string json = takeJson();
         patchJson(json, std::span<const uint8_t>(bin_));
-        return wrap(json);
+        return glbOf(std::move(json), bin_);
     }
 
 private:
     std::string takeJson();
-    std::vector<uint8_t> wrap(const std::string& json) const;
 
     Json views_ = Json::array(), accessors_ = Json::array();
     std::vector<uint8_t> bin_;

@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "sdk/format/draco_mesh.h"
+#include "sdk/format/expression_names.h"
 #include "sdk/format/vertex_colour.h"
 
 namespace dpl {
@@ -71,6 +72,70 @@ void addTexture(GlbBuilder& glb, const MeshTexture& texture) {
     glb.root["materials"][0]["pbrMetallicRoughness"]["baseColorTexture"] = {{"index", 0}};
 }
 
+/** The entries of a morph for a layer. */
+std::pair<size_t, size_t> entriesOf(const MeshMorph& morph, const LayerData& layer) {
+    const auto at = [&](uint32_t vertex) {
+        return size_t(std::lower_bound(morph.vertices.begin(), morph.vertices.end(), vertex) - morph.vertices.begin());
+    };
+    return {at(layer.firstVertex), at(layer.firstVertex + layer.vertexCount)};
+}
+
+/** Where the values of a target lie: of each vertex, or of those in a view of indices. */
+struct TargetPlaces {
+    uint32_t vertexCount = 0;
+    std::span<const uint32_t> vertices;  // of the layer
+    int64_t indexView = -1;              // -1: each vertex has a value
+    int indexComponent = kGltfU16;
+};
+
+/** Adds an accessor of a target. */
+uint32_t addTarget(GlbBuilder& glb, const TargetPlaces& places, std::span<const Vec3f> values) {
+    const bool sparse = places.indexView >= 0;
+    std::vector<Vec3f> all;
+    if (!sparse) {
+        all.assign(places.vertexCount, Vec3f(0));
+        for (size_t i = 0; i < values.size(); ++i) all[places.vertices[i]] = values[i];
+        values = all;
+    }
+    const uint32_t view = glb.addView(std::span(reinterpret_cast<const uint8_t*>(values.data()), values.size_bytes()));
+    Json& accessor = glb.addAccessor(sparse ? -1 : int64_t(view), kGltfF32, "VEC3", places.vertexCount);
+    if (sparse)
+        accessor["sparse"] = {{"count", values.size()},
+                              {"indices", {{"bufferView", places.indexView}, {"componentType", places.indexComponent}}},
+                              {"values", {{"bufferView", view}}}};
+    Vec3f low = values.front(), high = low;
+    if (values.size() < places.vertexCount) low = high = Vec3f(0);
+    for (const Vec3f& v : values) low = glm::min(low, v), high = glm::max(high, v);
+    accessor["min"] = triple(low), accessor["max"] = triple(high);
+    return glb.lastAccessor();
+}
+
+/** Adds the morph targets of a layer, sparse where that takes fewer bytes. */
+void addTargets(GlbBuilder& glb, std::span<const MeshMorph> morphs, const LayerData& layer, Json& mesh) {
+    Json names = Json::array(), targets = Json::array();
+    for (const MeshMorph& morph : morphs) {
+        if (!movesLayer(morph, layer)) continue;
+        const auto [begin, end] = entriesOf(morph, layer);
+        std::vector<uint32_t> vertices(morph.vertices.begin() + ptrdiff_t(begin), morph.vertices.begin() + ptrdiff_t(end));
+        for (uint32_t& vertex : vertices) vertex -= layer.firstVertex;
+        TargetPlaces places{layer.vertexCount, vertices};
+        const bool wide = layer.vertexCount > 1u << 16;
+        constexpr size_t kValues = 2 * sizeof(Vec3f);
+        if (vertices.size() * (kValues + (wide ? 4 : 2)) < layer.vertexCount * kValues) {
+            places.indexComponent = wide ? kGltfU32 : kGltfU16;
+            places.indexView = wide ? glb.addView(vertices) : glb.addView(std::vector<uint16_t>(vertices.begin(), vertices.end()));
+        }
+        Json target;
+        target["POSITION"] = addTarget(glb, places, std::span(morph.offsetsM).subspan(begin, end - begin));
+        target["NORMAL"] = addTarget(glb, places, std::span(morph.turns).subspan(begin, end - begin));
+        targets.push_back(std::move(target)), names.push_back(kExpressionNames[morph.expression]);
+    }
+    if (targets.empty()) return;
+    mesh["weights"] = std::vector<int>(targets.size(), 0);
+    mesh["extras"]["targetNames"] = std::move(names);
+    mesh["primitives"][0]["targets"] = std::move(targets);
+}
+
 Status addLayer(GlbBuilder& glb, const MeshData& mesh, const LayerData& layer, bool wideJoints, const LayerOptions& options) {
     const LayerMesh m = layerMesh(mesh, layer, wideJoints, options);
     Json primitive = {{"mode", 4}, {"material", 0}};
@@ -94,7 +159,9 @@ Status addLayer(GlbBuilder& glb, const MeshData& mesh, const LayerData& layer, b
     }
     glb.addAccessor(indices, kGltfU32, "SCALAR", m.triangles.size() * 3);
     primitive["indices"] = glb.lastAccessor();
-    glb.root["meshes"].push_back({{"name", layer.name}, {"primitives", Json::array({std::move(primitive)})}});
+    Json written = {{"name", layer.name}, {"primitives", Json::array({std::move(primitive)})}};
+    addTargets(glb, options.morphs, layer, written);
+    glb.root["meshes"].push_back(std::move(written));
     return {};
 }
 
@@ -148,6 +215,11 @@ void addClip(GlbBuilder& glb, const AvatarData& a, const ClipData& clip) {
 }
 
 }  // namespace
+
+bool movesLayer(const MeshMorph& morph, const LayerData& layer) {
+    const auto [begin, end] = entriesOf(morph, layer);
+    return begin < end;
+}
 
 Status addLayers(GlbBuilder& glb, const AvatarData& avatar, const LayerOptions& options) {
     const MeshData& mesh = avatar.mesh;

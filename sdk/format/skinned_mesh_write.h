@@ -13,10 +13,14 @@
 namespace dpl {
 
 struct LayerOptions {
-    bool draco = false;              // needs a viewer that knows KHR_draco_mesh_compression
-    std::span<const Vec3f> normals;  // one per vertex of the avatar, unit length, at rest; empty: none are written
-    MeshTexture texture;             // of the vertices of the avatar, instead of their colours
+    bool draco = false;                 // needs a viewer that knows KHR_draco_mesh_compression
+    std::span<const Vec3f> normals;     // one per vertex of the avatar, unit length, at rest; empty: none are written
+    MeshTexture texture;                // of the vertices of the avatar, instead of their colours
+    std::span<const MeshMorph> morphs;  // of the vertices of the avatar
 };
+
+/** Whether a morph moves a layer, whose mesh then has it as a target. */
+bool movesLayer(const MeshMorph& morph, const LayerData& layer);
 
 /** Adds a mesh for each layer, and their unlit material. The avatar has passed checkAvatarWithoutSplats() and snapAvatar(). Errors: Draco
  *  refuses a layer. */

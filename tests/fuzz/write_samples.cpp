@@ -55,7 +55,7 @@ int main(int argc, char** argv) {
     const std::vector<dpl::Vec2f> uv(normals.size(), dpl::Vec2f(0.25f, 0.75f));
     const std::vector<uint8_t> image = dpl::test::onePixelPng();
     ok &= save(folder / "mesh.glb", dpl::writeGltfMesh(layered, normals, {uv, image}));
-    ok &= save(folder / "mesh_draco.glb", dpl::writeGltfMesh(layered, normals, {uv, image}, /*draco=*/true));
+    ok &= save(folder / "mesh_draco.glb", dpl::writeGltfMesh(layered, normals, {uv, image}, {.draco = true}));
     ok &= save(folder / "splats.ply", dpl::writePly(splats));
     ok &= save(folder / "splats.glb", dpl::writeGltfSplats(splats));
     return ok ? 0 : 1;

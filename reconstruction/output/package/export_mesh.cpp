@@ -8,13 +8,13 @@
 #include "reconstruction/output/package/avatar_bytes.h"
 #include "reconstruction/output/package/exported_motion.h"
 #include "reconstruction/output/package/mesh_atlas.h"
+#include "reconstruction/output/package/mesh_morphs.h"
 #include "reconstruction/output/package/t_pose.h"
 #include "reconstruction/output/package/texture_bake.h"
 #include "reconstruction/output/package/texture_views.h"
 #include "reconstruction/subject/shape/implicit_mesh.h"
 #include "sdk/avatar/cloth_bounds.h"
 #include "sdk/avatar/humanoid.h"
-#include "sdk/avatar/posed_mesh.h"
 #include "sdk/core/files.h"
 #include "sdk/core/task.h"
 #include "sdk/format/gltf_mesh.h"
@@ -31,15 +31,6 @@ constexpr double kLookEnd = 0.05, kLayEnd = 0.1, kBakeEnd = 0.95;  // of the pro
 
 float densityOf(TexturePart part) {
     return part == TexturePart::Other ? 1 : part == TexturePart::Head ? kHeadDensity : kHandDensity;
-}
-
-/** The vertices of the avatar at rest as it is drawn: with the correctives of that pose. */
-std::vector<Vec3f> drawnAtRest(const AvatarData& avatar) {
-    const ClothClearance clearance(avatar.joints, avatar.mesh, avatar.correctives);
-    Jobs alone(1);
-    PosedMesh posed;
-    posed.pose({avatar.joints, avatar.mesh, avatar.correctives, {}, nullptr, {}, &clearance}, Pose::rest(avatar.joints.size()), alone);
-    return {posed.positions().begin(), posed.positions().end()};
 }
 
 std::array<float, kTextureParts> pixelsFor(float texelM) {
@@ -70,7 +61,7 @@ std::string wrongMeshExport(const MeshExportOptions& options) {
     if (options.out.extension() != ".vrm") return formatText("-o {}: with --vrm the file must end in .vrm", out);
     if (options.vrmAuthor->empty()) return "a VRM names its author; give --author";
     if (!options.clip.empty()) return "--clip does not go with --vrm: programs that take a VRM bring their own motion";
-    return options.compression == "none" ? "" : "--compress does not go with --vrm: programs that take a VRM may not know Draco";
+    return options.compression == "none" ? "" : "--compress does not go with --vrm: programs that take a VRM may not know it";
 }
 
 Result<std::string> exportMesh(const MeshExportOptions& options, std::span<const TrainFrame> photographs) {
@@ -91,7 +82,8 @@ Result<std::string> exportMesh(const MeshExportOptions& options, std::span<const
         data.clips = {*motion.clip()};
     }
 
-    const std::vector<Vec3f> positions = drawnAtRest(data);
+    DrawnAtRest drawn = drawnAtRest(data);
+    std::vector<Vec3f>& positions = drawn.positions;
     const std::vector<TexturePart> part = partOfVertices(data);
     std::vector<AtlasKind> kinds;
     {
@@ -117,21 +109,25 @@ Result<std::string> exportMesh(const MeshExportOptions& options, std::span<const
     auto image =
         jpeg ? encodeJpeg(*texture, atlas->sidePx, atlas->sidePx, 3, kJpegQuality) : encodePng(*texture, atlas->sidePx, atlas->sidePx, 3);
     if (!image) return inFile(image.error());
-    data.mesh.restPositions = positions;
-    if (vrm) restInTPose(data, jobs);
+    data.mesh.restPositions = std::move(positions);
+    if (vrm) restInTPose(data, drawn.expressed, jobs);
     const std::vector<Vec3f> restNormals = vertexNormals(data.mesh.restPositions, data.mesh.triangles);
     SeamedMesh seamed = splitAtSeams(data.mesh, *atlas);
+    const std::vector<MeshMorph> morphs = morphsOf(data.mesh.restPositions, drawn.expressed, data.mesh.triangles, seamed.old);
     AvatarData out;
     out.name = data.name, out.joints = std::move(data.joints), out.clips = std::move(data.clips), out.mesh = std::move(seamed.mesh);
     std::vector<Vec3f> normals;
     for (const uint32_t v : seamed.old) normals.push_back(restNormals[v]);
-    auto file = writeGltfMesh(out, normals, {seamed.uv, *image, jpeg}, options.compression == "draco", vrm ? &*vrm : nullptr);
+    auto file = writeGltfMesh(out, normals, {seamed.uv, *image, jpeg},
+                              {.draco = options.compression == "draco", .vrm = vrm ? &*vrm : nullptr, .morphs = morphs});
     if (!file) return inFile(file.error());
     DPL_RETURN_IF_ERROR(writeFileAtomically(options.out, *file));
     return formatText(
-        "{} meshes, {} vertices, {} triangles, {} joints, {} clips, texture {} × {} in {} charts, a texel {} mm, {} bytes in {}",
+        "{} meshes, {} vertices, {} triangles, {} joints, {} clips, {} expressions, texture {} × {} in {} charts, a texel {} mm, {} bytes "
+        "in {}",
         out.mesh.layers.size(), out.mesh.restPositions.size(), out.mesh.triangles.size(), out.joints.size(), out.clips.size(),
-        atlas->sidePx, atlas->sidePx, atlas->chartCount, std::round(atlas->texelM * 10000) / 10, file->size(), options.out.string());
+        morphs.size(), atlas->sidePx, atlas->sidePx, atlas->chartCount, std::round(atlas->texelM * 10000) / 10, file->size(),
+        options.out.string());
 }
 
 }  // namespace dpl

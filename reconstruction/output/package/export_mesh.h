@@ -27,9 +27,10 @@ struct MeshExportOptions {
 std::string wrongMeshExport(const MeshExportOptions& options);
 
 /** Reads an avatar and writes its mesh as it is drawn at rest, with area-weighted normals, a texture that is taken from its splats
- *  (texture_bake.h), skeleton and clips, by writeGltfMesh. Returns a line of counts and sizes to show the user. taskAt hears what it does.
- *  InvalidArgument: wrongMeshExport(), the input is general splats, the avatar has no mesh or no splats, another size of texture, or for a
- *  VRM a skeleton that lacks bones. photographs: of the same avatar, with the poses that it has in them; see bakeTexture(). */
+ *  (texture_bake.h), skeleton, clips and expressions, by writeGltfMesh. Returns a line of counts and sizes to show the user. taskAt hears
+ * what it does. InvalidArgument: wrongMeshExport(), the input is general splats, the avatar has no mesh or no splats, another size of
+ * texture, or for a VRM a skeleton that lacks bones. photographs: of the same avatar, with the poses that it has in them; see
+ * bakeTexture(). */
 Result<std::string> exportMesh(const MeshExportOptions& options, std::span<const TrainFrame> photographs = {});
 
 }  // namespace dpl
