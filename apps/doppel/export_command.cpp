@@ -151,8 +151,10 @@ void addExportCommand(CLI::App& app, CommandRun& run) {
     command
         ->add_option(
             "--compress", meshOptions->compression,
+            "With --mesh: draco makes the geometry a quarter, for viewers that know KHR_draco_mesh_compression; meshopt: clips and "
+            "expressions too, for viewers that know EXT_meshopt_compression; none: for all")
         ->needs("--mesh")
-        ->check(CLI::IsMember({"none", "draco"}))
+        ->check(CLI::IsMember({"none", "draco", "meshopt"}))
         ->capture_default_str();
     auto from = std::make_shared<PhotographOptions>();
     command
@@ -182,6 +184,7 @@ void addExportCommand(CLI::App& app, CommandRun& run) {
         "  doppel export ada/avatar.glb --mesh -o ada-mesh.glb\n"
         "  doppel export ada/avatar.glb --mesh -o ada-mesh.glb --photographs scan   (with detail that the scan's pictures show)\n"
         "  doppel export ada/avatar.glb --mesh -o ada-walk.glb --clip 02_01.bvh --texture-format jpg\n"
+        "  doppel export ada/avatar.glb --mesh -o ada-small.glb --compress meshopt --texture-format jpg\n"
         "  doppel export ada/avatar.glb --skinned-splats -o ada-skinned.glb\n"
         "  doppel export ada/avatar.glb --mesh --vrm --author \"Ada Byron\" -o ada.vrm\n"
         "  doppel export guitar.spz -o guitar.ply\n"

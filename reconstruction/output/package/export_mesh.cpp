@@ -9,6 +9,7 @@
 #include "reconstruction/output/package/exported_motion.h"
 #include "reconstruction/output/package/mesh_atlas.h"
 #include "reconstruction/output/package/mesh_morphs.h"
+#include "reconstruction/output/package/meshopt_glb.h"
 #include "reconstruction/output/package/t_pose.h"
 #include "reconstruction/output/package/texture_bake.h"
 #include "reconstruction/output/package/texture_views.h"
@@ -113,6 +114,7 @@ Result<std::string> exportMesh(const MeshExportOptions& options, std::span<const
     if (vrm) restInTPose(data, drawn.expressed, jobs);
     const std::vector<Vec3f> restNormals = vertexNormals(data.mesh.restPositions, data.mesh.triangles);
     SeamedMesh seamed = splitAtSeams(data.mesh, *atlas);
+    if (options.compression == "meshopt") orderForMeshopt(seamed);
     const std::vector<MeshMorph> morphs = morphsOf(data.mesh.restPositions, drawn.expressed, data.mesh.triangles, seamed.old);
     AvatarData out;
     out.name = data.name, out.joints = std::move(data.joints), out.clips = std::move(data.clips), out.mesh = std::move(seamed.mesh);
@@ -120,6 +122,7 @@ Result<std::string> exportMesh(const MeshExportOptions& options, std::span<const
     for (const uint32_t v : seamed.old) normals.push_back(restNormals[v]);
     auto file = writeGltfMesh(out, normals, {seamed.uv, *image, jpeg},
                               {.draco = options.compression == "draco", .vrm = vrm ? &*vrm : nullptr, .morphs = morphs});
+    if (file && options.compression == "meshopt") file = compressByMeshopt(*file);
     if (!file) return inFile(file.error());
     DPL_RETURN_IF_ERROR(writeFileAtomically(options.out, *file));
     return formatText(

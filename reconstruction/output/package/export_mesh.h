@@ -18,7 +18,7 @@ struct MeshExportOptions {
     std::string animation;      // name or number of an animation in a glTF file; empty: the first
     uint32_t texturePx = 2048;  // side of the texture: a power of two, kLeastTexturePx to kMostTexturePx
     std::string textureFormat = "png";     // or "jpg"
-    std::string compression = "none";      // or "draco"
+    std::string compression = "none";      // or "draco" or "meshopt"
     std::optional<std::string> vrmAuthor;  // a VRM 1.0 of this author, in a T-pose and without clips; `out` then ends in .vrm
     uint32_t threadCount = 0;              // 0: one thread a core; files do not depend on it
 };
