@@ -15,7 +15,9 @@ inline constexpr const char* kHeavyPose = "blazepose_heavy.onnx";
 inline constexpr const char* kDetector = "blazepose_detector.onnx";
 inline constexpr const char* kCloseups = "selfie_seg.onnx";
 inline constexpr const char* kClothes = "skin_clothes_hair_pan.onnx";
-inline constexpr const char* kAll[] = {kPose, kHeavyPose, kLightPose, kDetector, kCloseups, kClothes};
+inline constexpr const char* kHands = "hand_landmarks.onnx";
+inline constexpr const char* kPalms = "palm_detector.onnx";
+inline constexpr const char* kAll[] = {kPose, kHeavyPose, kLightPose, kDetector, kCloseups, kClothes, kHands, kPalms};
 }  // namespace network_files
 
 /** $XDG_DATA_HOME/doppel/models, or ~/.local/share/doppel/models where that variable is empty or relative, as the XDG base directory

@@ -31,7 +31,7 @@ struct FittedBody {
 
 template <>
 struct StageOf<FittedBody> {
-    static constexpr StageName kName{"body-fit", 13};
+    static constexpr StageName kName{"body-fit", 14};
     static constexpr const char* kPriors[] = {"input/cameras", "input/capture", "subject/body", "subject/hands"};
     static Status inputs(StageInputs& in);
     static Status make(StageInputs& in, StageContext& context);

@@ -30,7 +30,7 @@ struct Observations {
 
 template <>
 struct StageOf<Observations> {
-    static constexpr StageName kName{"observe", 6};
+    static constexpr StageName kName{"observe", 7};
     static constexpr const char* kPriors[] = {"input/cameras", "input/capture", "input/observe"};
     static Status inputs(StageInputs& in);
     static Status make(StageInputs& in, StageContext& context);

@@ -26,6 +26,7 @@ std::vector<Keypoint> keypointsFromLandmarks(std::span<const Vec2d> landmarks33,
 /** What the networks found in one picture. Positions in its pixels, planes of its size. */
 struct Observation {
     std::vector<Keypoint> keypoints;  // observedKeypointNames() order
+    std::vector<Keypoint> hands;      // handKeypointNames() order; empty when no hand is found, or without the network of hands
     ImageGrey8 labels;                // default label values: background 0, body 1, top 2, bottom 3, hair 4, shoes 5
     ImageGrey8 mask;                  // the given mask, else the segmentation of the pose network with its edge refined (refine_matte.h)
     double personScore = 0;           // 0 … 1
@@ -57,6 +58,7 @@ public:
     ~Observer();
     bool hasLabels() const;
     bool hasDetector() const;
+    bool hasHands() const;
 
     /** The people in a picture, best first. Without a detector only the one that the pose network finds in the whole picture. */
     Result<std::vector<SeenPerson>> people(const ImageRgb8& image);
@@ -92,11 +94,12 @@ struct ObserveOptions {
     std::function<void(const std::string&)> note;  // gets a sentence on what was chosen; may be empty
 };
 
-/** Writes what the scan lacks: keypoints when it has no keypoint names, and labels and masks of frames without them. A frame in which no
- *  person is found gets no labels. Where several people are in view, choosePerson() decides over the training frames of each kind; frames
- *  in which nobody is found are tried again where the neighbours see the person. A held-out picture affects only its own files. Every
- *  thread of `jobs` loads the networks. The files do not depend on the number of threads and are written atomically. Also writes
- *  people.json: the boxes of all people, and which was chosen. Errors: a file; Cancelled, between two frames. */
+/** Writes what the scan lacks: keypoints when it has no keypoint names, those of hands included where the folder has the network of hands,
+ *  and labels and masks of frames without them. A frame in which no person is found gets no labels. Where several people are in view,
+ * choosePerson() decides over the training frames of each kind; frames in which nobody is found are tried again where the neighbours see
+ * the person. A held-out picture affects only its own files. Every thread of `jobs` loads the networks. The files do not depend on the
+ * number of threads and are written atomically. Also writes people.json: the boxes of all people, and which was chosen. Errors: a file;
+ * Cancelled, between two frames. */
 Status observeScan(const Scan& scan, const ObserveOptions& options, Jobs& jobs);
 
 /** Adds the paths of files that observeScan() wrote to `folder` to the scan, where it lacks them. Reads no file. */

@@ -6,6 +6,8 @@
 #include <nlohmann/json.hpp>
 
 #include "reconstruction/base/image_codec.h"
+#include "reconstruction/base/models_folder.h"
+#include "reconstruction/input/capture/hand_keypoints.h"
 #include "reconstruction/input/observe/observations.h"
 #include "reconstruction/input/observe/person_places.h"
 #include "sdk/core/files.h"
@@ -28,18 +30,21 @@ Status writePng(const fs::path& path, const ImageGrey8& image) {
     return writeFile(path, bytes);
 }
 
-Status writeKeypoints(const fs::path& path, const ScanFrame& frame, const std::vector<Keypoint>& keypoints) {
+Status writeKeypoints(const fs::path& path, const ScanFrame& frame, const Observation& seen) {
     nlohmann::ordered_json file;
     file["image"] = frame.name;
     file["names"] = nlohmann::ordered_json::array();
     file["detections"] = nlohmann::ordered_json::array();
     file["confidence"] = nlohmann::ordered_json::array();
-    const auto names = observedKeypointNames();
-    for (size_t k = 0; k < keypoints.size(); ++k) {
-        file["names"].push_back(std::string(names[k]));
-        file["detections"].push_back({std::round(keypoints[k].px.x * 1000) / 1000, std::round(keypoints[k].px.y * 1000) / 1000});
-        file["confidence"].push_back(std::round(keypoints[k].confidence * 1000) / 1000);
-    }
+    const auto add = [&](std::span<const std::string_view> names, const std::vector<Keypoint>& keypoints) {
+        for (size_t k = 0; k < keypoints.size(); ++k) {
+            file["names"].push_back(std::string(names[k]));
+            file["detections"].push_back({std::round(keypoints[k].px.x * 1000) / 1000, std::round(keypoints[k].px.y * 1000) / 1000});
+            file["confidence"].push_back(std::round(keypoints[k].confidence * 1000) / 1000);
+        }
+    };
+    add(observedKeypointNames(), seen.keypoints);
+    add(handKeypointNames(), seen.hands);
     const std::string text = file.dump() + "\n";
     return writeFile(path, {reinterpret_cast<const uint8_t*>(text.data()), text.size()});
 }
@@ -80,7 +85,7 @@ Status observeFrame(Observer& observer, const ScanFrame& frame, const Wanted& wa
     }
     DPL_TRY(const Observation seen, observer.observe(image, mask ? &*mask : nullptr, start, frame.kind == FrameKind::StaticCloseup));
     const FramePaths paths(output, frame);
-    if (want.keypoints) DPL_RETURN_IF_ERROR(writeKeypoints(paths.keypoints, frame, seen.keypoints));
+    if (want.keypoints) DPL_RETURN_IF_ERROR(writeKeypoints(paths.keypoints, frame, seen));
     if (want.mask) DPL_RETURN_IF_ERROR(writePng(paths.mask, seen.mask));
     if (want.labels && !seen.labels.pixels.empty()) DPL_RETURN_IF_ERROR(writePng(paths.labels, seen.labels));
     return {};
@@ -123,6 +128,9 @@ Status observeScan(const Scan& scan, const ObserveOptions& options, Jobs& jobs) 
         if (named->split == Split::Test)
             return fail(Code::InvalidArgument, "--person {}: this frame is held out; name a training frame", point.frame);
     }
+    if (options.note && scan.keypointNames.empty() && !observers[0]->hasHands())
+        options.note(formatText("{} has no {}, so fingers stay as the body has them; {}", options.models.string(), network_files::kHands,
+                                howToGetNetworks()));
     const size_t count = scan.frames.size();
     std::vector<Status> results(count);
     std::vector<Whereabouts> where(count);

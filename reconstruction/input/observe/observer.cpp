@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Runs BlazePose and the clothes parser on one picture.
+// Runs BlazePose, the clothes parser and the networks of hands on one picture.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -8,6 +8,7 @@
 
 #include "reconstruction/base/models_folder.h"
 #include "reconstruction/input/observe/choose_person.h"
+#include "reconstruction/input/observe/hand_finder.h"
 #include "reconstruction/input/observe/observations.h"
 #include "reconstruction/input/observe/onnx_net.h"
 #include "reconstruction/input/observe/person_detector.h"
@@ -89,10 +90,6 @@ size_t mirroredLandmark(size_t k) {
     return k % 2 == 1 ? k + 1 : k - 1;
 }
 
-void mirrorRows(std::vector<float>& planes, int side) {
-    for (auto row = planes.begin(); row != planes.end(); row += side) std::reverse(row, row + side);
-}
-
 /** Landmarks lie inside the body: there is room beyond them for crown, hands and toes. */
 PersonBox boxOf(const Pose& pose) {
     PersonBox box{Vec2d(1e30), Vec2d(-1e30)};
@@ -134,6 +131,7 @@ struct Observer::State {
     OnnxNet pose;
     std::optional<OnnxNet> heavyPose;  // slower and more exact; looks beside the other, whose errors differ
     std::optional<OnnxNet> parser, detector, selfie;
+    std::optional<HandFinder> hands;
 
     /** The pose in one crop, which the network sees mirrored if told so. */
     Result<Pose> lookAt(OnnxNet& network, const ImageRgb8& image, const PersonCrop& crop, bool mirrored) {
@@ -273,6 +271,9 @@ bool Observer::hasLabels() const {
 bool Observer::hasDetector() const {
     return state_->detector.has_value();
 }
+bool Observer::hasHands() const {
+    return state_->hands.has_value();
+}
 
 Result<Observer> Observer::load(const std::filesystem::path& models) {
     std::error_code ignored;
@@ -283,8 +284,9 @@ Result<Observer> Observer::load(const std::filesystem::path& models) {
     DPL_TRY(auto parser, loadIfThere(models / network_files::kClothes));
     DPL_TRY(auto detector, loadIfThere(models / network_files::kDetector));
     DPL_TRY(auto selfie, loadIfThere(models / network_files::kCloseups));
+    DPL_TRY(auto hands, HandFinder::loadIfThere(models));
     return Observer(std::unique_ptr<State>(
-        new State{std::move(pose), std::move(heavyPose), std::move(parser), std::move(detector), std::move(selfie)}));
+        new State{std::move(pose), std::move(heavyPose), std::move(parser), std::move(detector), std::move(selfie), std::move(hands)}));
 }
 
 Result<std::vector<SeenPerson>> Observer::people(const ImageRgb8& image) {
@@ -340,6 +342,9 @@ Result<Observation> Observer::observe(const ImageRgb8& image, const ImageGrey8* 
     std::array<double, 33> confidence{};
     for (size_t k = 0; k < 33; ++k) confidence[k] = pose.score >= kConfirmed ? pose.confidence[k] * pose.score : 0;
     out.keypoints = keypointsFromLandmarks(std::span(pose.landmarks).first(33), confidence, &out.mask);
+    if (state_->hands) {
+        DPL_TRY(out.hands, state_->hands->find(image, std::span(pose.landmarks).first(33), confidence, closeup));
+    }
     if (state_->parser && pose.score >= kConfirmed) DPL_RETURN_IF_ERROR(state_->findLabels(image, pose, out));
     return out;
 }

@@ -15,20 +15,11 @@ namespace {
 // row is a logit, a box (centre, size) and four points as offsets from the anchor, in pixels of the input. Points 0 and 1 are the middle
 // of the hips and a point on the circle round the person.
 constexpr int kSide = 224;
-constexpr std::array<std::array<int, 2>, 3> kGrids{{{8, 2}, {16, 2}, {32, 6}}};  // pixels a cell, anchors a cell
+constexpr AnchorGrids kGrids{{{8, 2}, {16, 2}, {32, 6}}};
 constexpr size_t kAnchors = 2254, kRow = 13, kPoints = 5;
 constexpr double kLeastScore = 0.3;
 constexpr double kRoom = 1.25;        // MediaPipe's: side of the crop / diameter of the circle
 constexpr double kSamePerson = 0.35;  // two hips closer than this share of the smaller crop are one person's
-
-std::vector<Vec2d> anchorCentres() {
-    std::vector<Vec2d> centres;
-    for (const auto& [cell, each] : kGrids)
-        for (int y = 0; y < kSide / cell; ++y)
-            for (int x = 0; x < kSide / cell; ++x)
-                for (int k = 0; k < each; ++k) centres.push_back(double(cell) * Vec2d(x + 0.5, y + 0.5));
-    return centres;
-}
 
 /** Upright squares of `side` that cover the picture and overlap by at least half. */
 std::vector<PersonCrop> tiles(double width, double height, double side) {
@@ -48,7 +39,7 @@ Status detectIn(OnnxNet& detector, const ImageRgb8& image, const PersonCrop& til
     DPL_TRY(const auto outputs, detector.run(cropToTensor(image, tile, kSide, {0.5f, 0.5f, 0.5f}, {0.5f, 0.5f, 0.5f}), kSide));
     if (outputs.size() != 1 || outputs[0].data.size() != kAnchors * kRow)
         return fail(Code::Unsupported, "the detector has other outputs than BlazePose's; use {} of tools/models", network_files::kDetector);
-    static const std::vector<Vec2d> centres = anchorCentres();
+    static const std::vector<Vec2d> centres = anchorCentres(kSide, kGrids);
     for (size_t a = 0; a < kAnchors; ++a) {
         const float* row = outputs[0].data.data() + a * kRow;
         const double score = 1 / (1 + std::exp(-double(row[0])));

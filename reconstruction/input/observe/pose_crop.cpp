@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "reconstruction/input/observe/pose_crop.h"
 
+#include <algorithm>
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 
@@ -40,6 +41,19 @@ std::vector<float> cropToTensor(const ImageRgb8& image, const PersonCrop& crop, 
                 chw[(size_t(c) * side + y) * side + x] =
                     (float(cut.at<cv::Vec3b>(y, x)[c]) / 255.0f - mean[size_t(c)]) / deviation[size_t(c)];
     return chw;
+}
+
+void mirrorRows(std::vector<float>& planes, int side) {
+    for (auto row = planes.begin(); row != planes.end(); row += side) std::reverse(row, row + side);
+}
+
+std::vector<Vec2d> anchorCentres(int side, const AnchorGrids& grids) {
+    std::vector<Vec2d> centres;
+    for (const auto& [cell, each] : grids)
+        for (int y = 0; y < side / cell; ++y)
+            for (int x = 0; x < side / cell; ++x)
+                for (int k = 0; k < each; ++k) centres.push_back(double(cell) * Vec2d(x + 0.5, y + 0.5));
+    return centres;
 }
 
 cv::Mat spreadCrop(const float* plane, int side, const PersonCrop& crop, uint32_t width, uint32_t height) {

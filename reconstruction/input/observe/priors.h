@@ -47,4 +47,26 @@ inline constexpr double kKneeRaise = 0.06;
  *  unit: ratio | origin: round figure | half, double: not measured */
 inline constexpr double kDerivedTrust = 0.7;
 
+// ---- Hands: from the 21 points of the network of hands to those of a scan
+
+/** Confidence of an arm's wrist above which its hand is looked for.
+ *  unit: 0 to 1 | origin: round figure | half, double: not measured */
+inline constexpr double kWristSeen = 0.3;
+/** Side of the square in which an arm's hand is looked for first.
+ *  unit: lengths of the palm | origin: dev; 74 visible hands of scan-a, marked with 4 px of noise: 2.0 and 2.6 find 55 | half, double: 1.6
+ * finds 48, 5.2 finds 19 */
+inline constexpr double kHandRoom = 2.3;
+/** The same where nothing was found in that.
+ *  unit: lengths of the palm | origin: round figure | half, double: not measured */
+inline constexpr double kSecondHandRoom = 3.4;
+/** Score of the network above which something is a hand.
+ *  unit: 0 to 1 | origin: round figure | half, double: not measured */
+inline constexpr double kHandConfirmed = 0.5;
+/** Distance of a found hand from the arm's wrist above which it is somebody else's.
+ *  unit: lengths of the hand | origin: round figure | half, double: not measured */
+inline constexpr double kHandFromWrist = 0.4;
+/** Distance between a point in the picture and in its mirror image that halves its confidence.
+ *  unit: lengths of the hand | origin: round figure | half, double: not measured */
+inline constexpr double kHandSpread = 0.1;
+
 }  // namespace dpl::priors

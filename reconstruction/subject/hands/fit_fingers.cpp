@@ -25,14 +25,55 @@ constexpr double kLooseOutliers = 40;  // Geman–McClure scale, σ, while the f
 constexpr double kCurledShare = 0.6;   // of the range of each bend: a start between a flat hand and a fist
 constexpr int kSteps = 60;
 
+Mat3x4f worldFromWrist(const BodyModel& shaped, const HandRig& rig, const Pose& pose) {
+    std::vector<Mat3x4f> worldFromRest;
+    jointTransforms(shaped.joints, pose, worldFromRest);
+    return worldFromRest[rig.wrist];
+}
+
+/** How far the bases of a frame's fingers lie from those of a hand of the fitted body, px; huge where a point is missing or behind the
+ *  camera. */
+double missPx(std::span<const Keypoint> points, const HandRig& rig, const Mat3x4f& wrist, const Vec3d& rest, const Camerad& camera) {
+    double sum = 0;
+    for (size_t f = 0; f < kHandFingers; ++f) {
+        const Vec3d view = camera.toView(Vec3d(wrist * Vec4f(Vec3f(rest + rig.fingers[f].places[0]), 1)));
+        if (!(view.z > 0) || !(points[f * kFingerPoints].confidence > 0)) return 1e9;
+        sum += glm::length(camera.pixelOf(view) - points[f * kFingerPoints].px);
+    }
+    return sum / double(kHandFingers);
+}
+
+/** Whether what a frame calls the left hand is the right one. The body fit says so of whole pictures. A close-up may show a hand without
+ *  its arm, so there a hand is that of the wrist at which it lies, if it is twice as near. */
+bool isExchanged(const BodyModel& shaped, const std::array<std::optional<HandRig>, 2>& rigs, const ScanFrame& frame,
+                 std::span<const Keypoint> points, const BodyFit& fit, size_t f) {
+    constexpr double kClearly = 2;
+    const bool swapped = f < fit.swapped.size() && (fit.swapped[f] & kUpperSwapped);
+    if (frame.kind != FrameKind::StaticCloseup || !rigs[0] || !rigs[1]) return swapped;
+    const Camerad camera = metricCamera(frame.camera, fit.metresPerUnit);
+    double named = 0, exchanged = 0;  // sums over the hands that the frame shows
+    for (size_t side = 0; side < 2; ++side) {
+        const auto hand = points.subspan(side * kHandPoints, kHandPoints);
+        if (!(hand[0].confidence > 0)) continue;
+        for (size_t arm = 0; arm < 2; ++arm) {
+            const HandRig& rig = *rigs[arm];
+            (arm == side ? named : exchanged) +=
+                missPx(hand, rig, worldFromWrist(shaped, rig, fit.poses[f]), Vec3d(shaped.joints[rig.wrist].restPosition), camera);
+        }
+    }
+    if (kClearly * exchanged < named) return true;
+    return kClearly * named < exchanged ? false : swapped;
+}
+
 /** One hand in all frames. */
 class HandFitter {
 public:
-    HandFitter(const HandRig& rig, bool left, const BodyModel& shaped, const Scan& scan, std::span<const std::vector<Keypoint>> hands,
+    /** `points`: of this hand, one list a frame. */
+    HandFitter(const HandRig& rig, bool left, const BodyModel& shaped, const Scan& scan, std::span<const std::vector<Keypoint>> points,
                BodyFit& fit)
         : rig_(rig), scan_(scan), fit_(fit), frames_(scan.frames.size()) {
         found_.left = left;
-        for (size_t f = 0; f < frames_.size(); ++f) look(f, shaped, hands[f]);
+        for (size_t f = 0; f < frames_.size(); ++f) look(f, shaped, points[f]);
         for (size_t f = 0; f < frames_.size(); ++f)
             if (frames_[f].seen) (isStill(f) ? found_.stillFrames : found_.movingFrames) += 1;
     }
@@ -61,27 +102,26 @@ private:
 
     bool isStill(size_t f) const { return scan_.frames[f].kind != FrameKind::Dynamic; }
 
-    /** Decides whether a frame shows the hand well enough. */
-    void look(size_t f, const BodyModel& shaped, const std::vector<Keypoint>& hands) {
-        if (hands.empty() || !fit_.fitted[f]) return;
-        const bool swapped = f < fit_.swapped.size() && (fit_.swapped[f] & kUpperSwapped);
-        const size_t first = found_.left == swapped ? kHandPoints : 0;  // the left hand's points come first
+    /** Decides whether a frame shows the hand well enough. A close-up may show a hand and too little of the body to fit it: then the still
+     *  pose says where the hand is. */
+    void look(size_t f, const BodyModel& shaped, const std::vector<Keypoint>& points) {
+        if (points.empty() || (!fit_.fitted[f] && !isStill(f))) return;
         Frame& frame = frames_[f];
-        std::copy_n(hands.begin() + std::ptrdiff_t(first), kHandPoints, frame.view.points.begin());
+        std::copy(points.begin(), points.end(), frame.view.points.begin());
         size_t seen = 0;
         double confidence = 0;
         for (const Keypoint& k : frame.view.points)
             if (k.confidence > 0) ++seen, confidence += k.confidence;
         if (seen < kMinPoints || confidence < priors::kSureHand * double(seen)) return;
-        std::vector<Mat3x4f> worldFromRest;
-        jointTransforms(shaped.joints, fit_.poses[f], worldFromRest);
-        const Mat3x4f& wrist = worldFromRest[rig_.wrist];
+        const Mat3x4f wrist = worldFromWrist(shaped, rig_, fit_.poses[f]);
         frame.view.camera = metricCamera(scan_.frames[f].camera, fit_.metresPerUnit);
         frame.view.wristRotation = Mat3d(Vec3d(wrist[0]), Vec3d(wrist[1]), Vec3d(wrist[2]));
         frame.view.wrist = Vec3d(wrist * Vec4f(shaped.joints[rig_.wrist].restPosition, 1));
-        frame.view.sigmaPx = keypointSigma(scan_) * std::hypot(double(frame.view.camera.widthPx), double(frame.view.camera.heightPx));
-        const double depthM = frame.view.camera.toView(frame.view.wrist).z;
-        frame.seen = depthM > 0 && frame.view.camera.fx * rig_.lengthM >= priors::kSmallestHandPx * depthM;
+        const double depthM = frame.view.camera.toView(frame.view.wrist).z, lengthPx = frame.view.camera.fx * rig_.lengthM / depthM;
+        frame.seen = depthM > 0 && lengthPx >= priors::kSmallestHandPx;
+        frame.view.sigmaPx = scan_.keypointsFound
+                                 ? priors::kFoundHandSigma * lengthPx
+                                 : keypointSigma(scan_) * std::hypot(double(frame.view.camera.widthPx), double(frame.view.camera.heightPx));
     }
 
     Status solve(ceres::Problem& problem, const char* what, double outlierSigmas, double* cost = nullptr) {
@@ -291,11 +331,20 @@ Result<std::vector<HandFit>> fitFingers(const BodyModel& body, const Scan& scan,
     std::vector<HandFit> found;
     if (!any) return found;
     const BodyModel shaped = shapedBody(body, fit.shape);
-    for (const bool left : {true, false}) {
-        const auto rig = handRig(shaped, left);
-        if (!rig) continue;
-        const TaskPart part(left ? 0 : 0.5, left ? 0.5 : 1);
-        DPL_TRY(const HandFit hand, HandFitter(*rig, left, shaped, scan, hands, fit).run());
+    const std::array<std::optional<HandRig>, 2> rigs{handRig(shaped, true), handRig(shaped, false)};
+    std::array<std::vector<std::vector<Keypoint>>, 2> points;  // of the left and the right hand
+    for (auto& hand : points) hand.resize(hands.size());
+    for (size_t f = 0; f < hands.size(); ++f) {
+        if (hands[f].empty()) continue;
+        const bool exchanged = isExchanged(shaped, rigs, scan.frames[f], hands[f], fit, f);
+        const auto middle = hands[f].begin() + kHandPoints;
+        points[exchanged].at(f).assign(hands[f].begin(), middle);
+        points[!exchanged].at(f).assign(middle, hands[f].end());
+    }
+    for (size_t side = 0; side < 2; ++side) {
+        if (!rigs[side]) continue;
+        const TaskPart part(0.5 * double(side), 0.5 * double(side) + 0.5);
+        DPL_TRY(const HandFit hand, HandFitter(*rigs[side], side == 0, shaped, scan, points[side], fit).run());
         found.push_back(hand);
     }
     return found;

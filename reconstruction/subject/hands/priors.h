@@ -40,6 +40,9 @@ inline constexpr double kSmallestHandPx = 24;
 /** Mean confidence of a hand's points below which its fingers are not looked for.
  *  unit: 0 to 1 | origin: round figure; the sample marks hidden points with 0.46 and visible ones with 0.94 | half, double: not measured */
 inline constexpr double kSureHand = 0.4;
+/** Standard deviation of a coordinate of a point that our network of hands found, at full confidence.
+ *  unit: lengths of the hand | origin: round figure | half, double: not measured */
+inline constexpr double kFoundHandSigma = 0.05;
 /** Fall of twice the negative log posterior that turned fingers must bring.
  *  unit: none | origin: procedural seed 2, 45 moving frames: fingertips 12.6 mm from the truth; noise alone brings 2 to 5 | half, double:
  * half 14.3 mm; 3.3 times, which is Akaike's 2 for each of 20 turns, leaves hands that bend by up to 46 degrees in the still pose */

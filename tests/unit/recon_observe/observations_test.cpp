@@ -9,8 +9,10 @@
 
 #include "reconstruction/base/models_folder.h"
 #include "reconstruction/input/capture/frame_picture.h"
+#include "reconstruction/input/capture/hand_keypoints.h"
 #include "reconstruction/input/capture/scan_check.h"
 #include "reconstruction/input/observe/onnx_net.h"
+#include "tests/unit/must.h"
 #include "tests/unit/recon_capture/scan_builder.h"
 #include "tests/unit/recon_observe/biker.h"
 #include "tests/unit/shared_data.h"
@@ -89,6 +91,21 @@ TEST(OnnxNet, installedHeavyNetworkGivesThePinnedLandmarks) {
     ASSERT_EQ(landmarks.data.size(), 195u);
     const double first[] = {124.62334, 56.20997, -57.22068};  // of OpenCV 4.6, our conversion alone
     for (size_t i = 0; i < 3; ++i) EXPECT_NEAR(landmarks.data[i], first[i], 1e-3);
+}
+
+TEST(OnnxNet, installedNetworksOfHandsGiveThePinnedValues) {
+    const auto folder = installedModels();
+    if (folder.empty() || !std::filesystem::exists(folder / "hand_landmarks.onnx"))
+        GTEST_SKIP() << "tools/models has not installed hand_landmarks.onnx; installs of before 30 November lack it";
+    const auto hand = outputsOf(folder / "hand_landmarks.onnx", madeUpPicture(224), 224);
+    ASSERT_EQ(hand.size(), 4u);
+    ASSERT_EQ(hand[0].data.size(), 63u);
+    const double first[] = {111.41124, 180.26859, 0.0000767};  // of OpenCV 4.6; NumPy agrees (tests/models/compare_with_numpy.py)
+    for (size_t i = 0; i < 3; ++i) EXPECT_NEAR(hand[0].data[i], first[i], 1e-3);
+    EXPECT_LT(hand[1].data[0], 0.1) << "noise is no hand";
+    const auto palms = outputsOf(folder / "palm_detector.onnx", madeUpPicture(256), 256);
+    ASSERT_EQ(palms.size(), 1u);
+    EXPECT_EQ(palms[0].shape, (std::vector<int>{1, 2944, 19}));
 }
 
 TEST(OnnxNet, installedSelfieSegmentationGivesThePinnedMask) {
@@ -186,8 +203,10 @@ TEST(Observations, bikerIsSeenTheSameOnOneThreadAndTwo) {
     for (const uint32_t threads : {1u, 2u}) {
         Jobs jobs(threads);
         const auto output = folder.path / std::to_string(threads);
-        const Status status = observeScan(scan, {*models, output, {}}, jobs);
+        std::string notes;
+        const Status status = observeScan(scan, {*models, output, {}, [&](const std::string& text) { notes += text; }}, jobs);
         ASSERT_TRUE(status) << status.error().message;
+        EXPECT_NE(notes.find("hand_landmarks.onnx, so fingers stay"), std::string::npos) << "the shared networks do not see hands";
         const Scan observed = withObservations(scan, output);
         ASSERT_EQ(observed.keypointNames.size(), 24u);
         std::string everything;
@@ -195,6 +214,7 @@ TEST(Observations, bikerIsSeenTheSameOnOneThreadAndTwo) {
         for (const auto& frame : observed.frames) {
             EXPECT_EQ(frame.maskPath.parent_path().filename(), "masks") << "a mask that the scan brings is kept";
             EXPECT_FALSE(frame.maskFound);
+            EXPECT_TRUE(must(readHandKeypoints(observed, frame)).empty());
             for (const auto& path : {frame.keypointsPath, frame.labelsPath}) {
                 std::ifstream in(path, std::ios::binary);
                 everything += std::string{std::istreambuf_iterator<char>(in), {}};
