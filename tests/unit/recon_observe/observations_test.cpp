@@ -294,6 +294,38 @@ TEST(Observations, aMirroredPictureHasTheMirroredPerson) {
     }
 }
 
+TEST(Observations, handsAreFoundAtTheWristsOfTheirArms) {
+    const auto pictures = sharedData("scan-a");
+    const auto models = installedModels();
+    if (!pictures || models.empty() || !std::filesystem::exists(models / "hand_landmarks.onnx"))
+        GTEST_SKIP() << "shared data (scan-a) is not on this machine, or tools/models has not installed hand_landmarks.onnx";
+    const Scan scan = must(readScan(*pictures));
+    Observer observer = must(Observer::load(models));
+    ASSERT_TRUE(observer.hasHands());
+    size_t found = 0;
+    for (const char* name : {"full_000", "full_004", "full_026"}) {  // from in front, from both sides
+        const auto frame = std::find_if(scan.frames.begin(), scan.frames.end(), [&](const ScanFrame& f) { return f.name == name; });
+        ASSERT_NE(frame, scan.frames.end());
+        const ImageRgb8 image = must(readFrameImage(*frame));
+        const ImageGrey8 mask = must(readFrameMask(*frame));
+        const Observation seen = must(observer.observe(image, &mask));
+        if (seen.hands.empty()) continue;
+        ASSERT_EQ(seen.hands.size(), 2 * kHandPoints);
+        const std::vector<Keypoint> body = must(readKeypoints(scan, *frame));
+        for (size_t side = 0; side < 2; ++side) {
+            const Keypoint* hand = &seen.hands[side * kHandPoints];
+            if (!(hand[0].confidence > 0)) continue;
+            ++found;
+            const auto wrist = std::find(scan.keypointNames.begin(), scan.keypointNames.end(), side == 0 ? "wrist_l" : "wrist_r");
+            const Vec2d at = body[size_t(wrist - scan.keypointNames.begin())].px, base = hand[2 * kFingerPoints].px,
+                        tip = hand[3 * kFingerPoints - 1].px;
+            EXPECT_LT(glm::length(base - at), 30) << name;  // a hand is 45 to 70 px long
+            EXPECT_GT(glm::length(tip - at), glm::length(base - at)) << name;
+        }
+    }
+    EXPECT_GE(found, 4u);
+}
+
 TEST(Observations, anEmptyPictureHasNobody) {
     const auto models = sharedData("models");
     if (!models) GTEST_SKIP() << "shared data (models) is not on this machine";
