@@ -70,6 +70,18 @@ TEST_F(MotionApiTest, aPoseWithATimeRemembersAndAPoseWithoutDoesNot) {
     EXPECT_TRUE(drawnPlain(0) == rest) << "the same pose, the same bytes";
 }
 
+TEST_F(MotionApiTest, aPoseThatIsHeldBackKeepsItsTime) {
+    drawnAt(0, 0);
+    drawnAt(0.6f, kSecond);
+    const std::vector<uint8_t> want = drawnAt(0, 2 * kSecond);
+    ASSERT_EQ(dplSettle(person_), DPL_OK) << dplGetLastError();
+    EXPECT_TRUE(drawnAt(0, 3 * kSecond) != want) << "forgotten";
+    ASSERT_EQ(dplSetPoseAtTime(person_, pose(0.6f).data(), 2, nullptr, 4 * kSecond), DPL_OK) << dplGetLastError();
+    ASSERT_EQ(dplHoldPose(person_, 1e3f), DPL_OK) << dplGetLastError();  // so far that it changes nothing
+    drawn();
+    EXPECT_TRUE(drawnAt(0, 5 * kSecond) == want);
+}
+
 TEST_F(MotionApiTest, settledClothesAreThoseOfThePoseAlone) {
     const std::vector<uint8_t> rest = drawnPlain(0);
     drawnAt(0.6f, 0);

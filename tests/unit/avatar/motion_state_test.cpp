@@ -224,6 +224,41 @@ TEST(MotionState, neverGrowsWhileThePoseRests) {
     }
 }
 
+TEST(MotionState, aSpinThatStopsDeadSwingsOutAndComesToRest) {
+    const MotionModeData m = twoJoints({0}, {0.15f, 0.4f, 1});
+    MotionState state = stateOf(m, turnedBy(0, 0));
+    for (int frame = 1; frame <= 200; ++frame) advance(m, turnedBy(float(frame) * 0.08f, 0), 1.0 / 90, state);  // over a turn a second
+    const Pose stopped = turnedBy(200 * 0.08f, 0);
+    std::vector<double> now(m.featureCount()), before(m.featureCount());
+    motionFeatures(m, state, before);
+    double lag = 0;
+    for (size_t i = m.heldCount(); i < before.size(); ++i) lag = std::max(lag, std::abs(before[i]));
+    EXPECT_GT(lag, 0.3) << "the cloth is still on its way";
+    for (int frame = 0; frame < 900; ++frame) {
+        advance(m, stopped, 1.0 / 90, state);
+        motionFeatures(m, state, now);
+        for (size_t i = m.heldCount(); i < now.size(); ++i)
+            ASSERT_LE(std::abs(now[i]), std::abs(before[i]) + 1e-15) << "frame " << frame << ": it passes its place";
+        before = now;
+    }
+    for (size_t i = m.heldCount(); i < now.size(); ++i) EXPECT_NEAR(now[i], 0, 1e-4);
+}
+
+TEST(MotionState, aWalkAfterAnHourOfStandingIsThatOfSomebodyWhoNeverMoved) {
+    const MotionModeData m = twoJoints({1.5f, 6, 60}, {0.15f, 1});
+    MotionState rested = stateOf(m, turnedBy(0, 0)), fresh = rested;
+    advance(m, turnedBy(0.9f, 0.7f), 0.5, rested);
+    advance(m, turnedBy(0, 0), 0.5, rested);
+    EXPECT_NE(coefficientsOf(m, rested), coefficientsOf(m, fresh)) << "something is remembered at first";
+    for (int minute = 0; minute < 60; ++minute) advance(m, turnedBy(0, 0), 60, rested);
+    for (int frame = 0; frame < 120; ++frame) {
+        const Pose step = turnedBy(0.6f * std::sin(0.1f * float(frame)), 0.4f * std::cos(0.1f * float(frame)));
+        advance(m, step, 1.0 / 60, rested), advance(m, step, 1.0 / 60, fresh);
+        const std::vector<float> a = coefficientsOf(m, rested), b = coefficientsOf(m, fresh);
+        for (size_t i = 0; i < a.size(); ++i) ASSERT_NEAR(a[i], b[i], 1e-6) << "frame " << frame;
+    }
+}
+
 TEST(MotionState, stifferClothesMoveLessAndSofterOnesALittleBeyondTheReach) {
     MotionModeData m = twoJoints();
     for (MotionGroupData& group : m.groups) group.reach = 1e6f;
