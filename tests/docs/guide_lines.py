@@ -47,7 +47,8 @@ Frame Time: 0.2
 0 92 0 0 0 0 0 0 0 0 5 0 0 0 0 0 5 0 0 5 0
 0 92 0 0 0 0 0 -20 0 0 20 0 0 20 0 0 5 0 0 0 0
 """
-AVATARS = "mkdir -p ada ben cleo; n=0; for who in ada ben cleo; do n=$((n + 1)); doppel sample-avatar -o $who/avatar.glb --seed $n; done"
+AVATARS = ("[ -e ada/avatar.glb ] || for who in 1-ada 2-ben 3-cleo; do mkdir -p ${who#*-} && doppel sample-avatar -o ${who#*-}/avatar.glb"
+           " --seed ${who%-*}; done")
 # film NAME KIND RATE: a video of the pictures of the scan FILMED.
 FILMS = ("[ -e FILMED ] || doppel sample -o FILMED --small --size 378x504",
          "film() { python3 -c 'import json, sys; [print(\"file FILMED/\" + f[\"image\"]) for f in json.load(open(\"FILMED/scan.json\"))[\"frames\"]"
@@ -58,7 +59,7 @@ FILMS = ("[ -e FILMED ] || doppel sample -o FILMED --small --size 378x504",
 MADE = {
     ("viewer", "build/release/apps/viewer/doppel-viewer"): (
         "cmake --build --preset release --target doppel_cli", "build/release/apps/doppel/doppel sample-avatar -o ada.glb",
-        "Xvfb :99 -screen 0 1600x1000x24 >/dev/null 2>&1 & export DISPLAY=:99"),
+        "Xvfb :99 -screen 0 1600x1000x24 >/dev/null 2>&1 & export DISPLAY=:99; until xdotool getdisplaygeometry; do sleep 0.2; done"),
     ("viewer", "doppel-viewer ada.glb walk.bvh"): (
         "cp ada.glb bob.glb", "cp motion.bvh walk.bvh", "cp motion.bvh run.bvh", "doppel export ada.glb -o guitar.ply"),
     ("release", "doppel render"): ("doppel sample-avatar -o sample-built-in.glb",),
