@@ -59,16 +59,42 @@ Status ofShell(const doppel::Status& status) {
     return status ? Status() : fromSdk(status.error());
 }
 
+/** Seconds of a clock that never goes back. */
+double steadyS() {
+    return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
+
+/** Between two tries to open a lost device. */
+void awaitDriver(const std::string& why) {
+    constexpr std::chrono::seconds kPause{2};  // a driver that restarts needs a moment
+    std::fprintf(stderr, "doppel-viewer: the graphics device was lost and cannot be opened again yet: %s\n", why.c_str());
+    std::this_thread::sleep_for(kPause);
+}
+
+Error lostForGood(const std::string& why, const char* kept) {
+    return fail(Code::Device, "the graphics device was lost {} times within a minute: {}. {}start again", DeviceTries::kMost, why, kept);
+}
+
 }  // namespace
 
 Result<std::unique_ptr<Viewer>> Viewer::create(const ViewerOptions& options, Timings& timings) {
-    auto shell = platform::Shell::create(shellInfo(options, timings));
+    DeviceTries tries;
+    bool lost = false;
+    auto shell = platform::Shell::create(shellInfo(options, timings), [&](const platform::Error& why) {
+        if (!tries.take(steadyS())) return false;
+        if (std::exchange(lost, true)) awaitDriver(why.message);
+        return true;
+    });
+    if (!shell && shell.error().code == DPL_ERROR_DEVICE) return lostForGood(shell.error().message, "");
     if (!shell) return fromSdk(shell.error());
-    return std::unique_ptr<Viewer>(new Viewer(options, timings, std::move(*shell)));
+    std::unique_ptr<Viewer> made(new Viewer(options, timings, std::move(*shell)));
+    made->deviceTries_ = std::move(tries);
+    if (lost) made->tellReopened("The graphics device was lost at the start");
+    return made;
 }
 
 Viewer::Viewer(const ViewerOptions& options, Timings& timings, std::unique_ptr<platform::Shell> shell)
-    : options_(options), timings_(timings), shell_(std::move(shell)) {
+    : options_(options), timings_(timings), shell_(std::move(shell)), startS_(steadyS()) {
     state_.room = roomOf(options.room);
     state_.axes = options.axes;
     state_.panels = !options.hidePanels;
@@ -94,22 +120,23 @@ Result<int> Viewer::run() {
 
 /** Opens the lost device again. why: what said that it is lost. An error: it cannot be done, and what is to be kept is kept. */
 Status Viewer::recover(std::string why) {
-    constexpr std::chrono::seconds kPause{2};  // a driver that restarts needs a moment
-    while (deviceTries_.take(nowS())) {
+    while (deviceTries_.take(steadyS())) {
         const Status opened = reopenDevice();
         if (opened) {
-            const std::string told = "The graphics device was lost and is open again (" + shell_->deviceName() + "); everything goes on.";
-            std::fprintf(stderr, "doppel-viewer: %s\n", told.c_str());
-            state_.messages.info(told, nowS());
+            tellReopened("The graphics device was lost");
             return {};
         }
         why = opened.error().message;
-        std::fprintf(stderr, "doppel-viewer: the graphics device was lost and cannot be opened again yet: %s\n", why.c_str());
-        std::this_thread::sleep_for(kPause);
+        awaitDriver(why);
     }
     opened_.keep(state_.settings);
-    return fail(Code::Device, "the graphics device was lost {} times within a minute: {}. Settings are kept, and runs go on; start again",
-                DeviceTries::kMost, why);
+    return lostForGood(why, "Settings are kept, and runs go on; ");
+}
+
+void Viewer::tellReopened(const char* what) {
+    const std::string told = std::string(what) + " and is open again (" + shell_->deviceName() + "); everything goes on.";
+    std::fprintf(stderr, "doppel-viewer: %s\n", told.c_str());
+    state_.messages.info(told, nowS());
 }
 
 Status Viewer::reopenDevice() {
@@ -121,7 +148,7 @@ Status Viewer::reopenDevice() {
 }
 
 double Viewer::nowS() const {
-    return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
+    return steadyS() - startS_;
 }
 
 void Viewer::report(const std::string& problem) {

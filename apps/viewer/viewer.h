@@ -34,6 +34,7 @@ private:
     Status frame();
     Status recover(std::string why);
     Status reopenDevice();
+    void tellReopened(const char* what);
     void takeFiles();
     void addSubject(LoadedFile loaded);
     void takeInput();
@@ -68,7 +69,7 @@ private:
     OpenedFiles opened_;
     ViewerState state_;  // its avatars are destroyed before the context
 
-    const std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+    const double startS_;  // of the steady clock
     double lastS_ = 0, figuresAtS_ = -1;
     uint64_t figuresAtFrame_ = 0;
     size_t waitingFor_ = 0;       // files that are not loaded yet

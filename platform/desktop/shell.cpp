@@ -36,9 +36,12 @@ struct Shell::Parts : OnDevice {
 
 Shell::Shell(const ShellInfo& info) : info_(info), parts_(std::make_unique<Parts>()), picturePx_{info.widthPx, info.heightPx} {}
 
-Result<std::unique_ptr<Shell>> Shell::create(const ShellInfo& info) {
+Result<std::unique_ptr<Shell>> Shell::create(const ShellInfo& info, const std::function<bool(const Error&)>& opensAgain) {
     std::unique_ptr<Shell> made(new Shell(info));
-    DPL_SHELL_OK(made->makeParts());
+    Status opened = made->makeParts();
+    while (!opened && opened.error().code == DPL_ERROR_DEVICE && opensAgain && opensAgain(opened.error())) opened = made->rebuild();
+    if (!opened) return opened.error();
+    made->forgetLostDevice();
     return made;
 }
 
@@ -75,7 +78,7 @@ Status Shell::rebuild() {
     Parts& p = *parts_;
     if (p.device) {
         (void)waitIdle();  // fails if the device is lost; then nothing runs on it
-        p.gui->leave();
+        if (p.gui) p.gui->leave();
         p.slots.reset(), p.swapchain.reset(), p.shadows.reset(), p.room.reset(), p.canvas.reset();
         if (!p.lost.device) p.lost.pictures = std::move(p.pictures), p.lost.device = std::move(p.device);
         p.clear();  // what an attempt before has made, on a device that no context has seen

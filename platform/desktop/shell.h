@@ -52,7 +52,9 @@ struct FrameContents {
 
 class Shell {
 public:
-    static Result<std::unique_ptr<Shell>> create(const ShellInfo& info);
+    /** opensAgain: asked when the device is lost while it is opened, with the error; true: open it again, in the same window. Empty: never.
+     */
+    static Result<std::unique_ptr<Shell>> create(const ShellInfo& info, const std::function<bool(const Error&)>& opensAgain = {});
     /** Waits for the device. Destroy all contexts on the device first. */
     ~Shell();
     Shell(const Shell&) = delete;

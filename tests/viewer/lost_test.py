@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
 """Loses the graphics device of doppel-viewer, by a Vulkan layer (lost_layer.cpp): the window, what is open in it, a watched run and a
-recording go on; where no device can be opened again, the viewer ends with a sentence. Exit 77, with the reason: something is missing."""
+recording go on, and so does a start; where no device can be opened again, the viewer ends with a sentence. Exit 77, with the reason: something is missing."""
 import argparse
 import json
 import os
@@ -110,6 +110,24 @@ class Lost(Panels):
                 process.kill()
             self.trigger.unlink(missing_ok=True)
 
+    def start_lost(self):
+        """A device that is lost while the window opens, and devices that all are."""
+        self.lose()
+        process, window = self.start(self.avatar, "--room", "none", "--size", "420x300", "--hide-panels")
+        try:
+            self.wait("the viewer says that the device was lost at the start and is open again",
+                      lambda: "lost at the start and is open again" in self.log.read_text())
+            self.wait("the avatar is in the window", lambda: self.figures("colour", self.capture(window, "lost.png"), 210, 170)[0] > 150)
+            self.closes(process, window)
+        finally:
+            if process.poll() is None:
+                process.kill()
+        self.lose(1000)
+        result = self.run(self.avatar)
+        self.trigger.unlink(missing_ok=True)
+        expect(result.returncode == 1 and "the graphics device was lost 3 times within a minute" in result.stderr.splitlines()[-1],
+               f"where every device is lost at the start, the viewer ends with a sentence: {result.stderr}")
+
     def closes(self, process, window):
         x11_send.Sender(self.display.name).close(window)
         expect(process.wait(timeout=PATIENCE_S) == 0, "the window closes, with nothing from the validation layer")
@@ -128,6 +146,7 @@ def main():
     try:
         test = Lost(arguments, display)
         test.shot("room_bright.png", "--room", "bright")
+        test.start_lost()
         run = test.finished_run()
         test.comparison(run)
         test.window(run)
