@@ -48,7 +48,7 @@ void drawExport(ViewerState& state, float width, float height) {
     ImGui::PushItemWidth(-1);
     ImGui::InputTextWithHint("##folder", window.here.c_str(), &state.settings.exports);
     ImGui::PopItemWidth();
-    const std::string why = whyNotExport(window.kind, chosen);
+    const std::string why = whyNotExport(window.kind, chosen, state.player());
     const bool byProgram = isByProgram(window.kind);
     if (window.running) {
         progressBar(state);

@@ -7,11 +7,14 @@
 #include "apps/shared/pictures.h"
 #include "apps/viewer/sample.h"
 #include "reconstruction/base/image_codec.h"
+#include "reconstruction/base/time_words.h"
 #include "sdk/core/files.h"
 
 namespace dpl {
 
 namespace fs = std::filesystem;
+
+constexpr uint32_t kTimedFrames = 3;  // of a video, before it says how long the rest takes
 
 void Exporter::saved(ViewerState& state, const fs::path& file) {
     if (!state.exports.open) state.messages.info(formatText("Saved {}", file.string()), state.nowS);
@@ -34,9 +37,11 @@ Status Exporter::fulfil(ViewerState& state, uint32_t widthPx, uint32_t heightPx)
     if (dress && !told.running) result = beginDressing(state);
     if (Status followed = follow(state); !followed) result = std::move(followed);
     if (recording_) {
-        told.running = {
-            formatText("{}: picture {} of {}", recording_->path().filename().string(), recording_->done(), recording_->frames()),
-            double(recording_->done()) / recording_->frames()};
+        const uint32_t done = recording_->done(), frames = recording_->frames();
+        const double leftS = done >= kTimedFrames ? (state.nowS - beganS_) / done * (frames - done) : 0;
+        told.running = {formatText("{}: picture {} of {}{}", recording_->path().filename().string(), done, frames,
+                                   done >= kTimedFrames ? ", " + wordsOfTimeLeft(leftS) : ""),
+                        double(done) / frames};
         if (recorded_ == ExportKind::Turntable) state.camera.setAzimuth(fromRad_ + recording_->turnRad());
     }
     if (!result) told.told = result.error().message;
@@ -94,7 +99,8 @@ Status Exporter::beginDressing(ViewerState& state) {
 
 Status Exporter::begin(ViewerState& state, ExportKind kind, uint32_t widthPx, uint32_t heightPx) {
     const ViewedSubject* chosen = state.chosen();
-    if (const std::string why = whyNotExport(kind, chosen); !why.empty()) return fail(Code::InvalidArgument, "{}", why);
+    const ViewedSubject* player = state.player();
+    if (const std::string why = whyNotExport(kind, chosen, player); !why.empty()) return fail(Code::InvalidArgument, "{}", why);
     state.exports.told.clear();
     const fs::path file = exportFile(kind, chosen, folder(state));
     if (kind == ExportKind::Picture) {
@@ -104,7 +110,7 @@ Status Exporter::begin(ViewerState& state, ExportKind kind, uint32_t widthPx, ui
     } else if (!isByProgram(kind)) {
         const uint32_t frames = kind == ExportKind::Turntable
                                     ? kTurnFrames
-                                    : uint32_t(std::max(1L, std::lround(chosen->clips[*chosen->clip].durationS / kStepS)));
+                                    : uint32_t(std::max(1L, std::lround(player->clips[*player->clip].durationS / kStepS)));
         return beginVideo(state, kind, file, frames, widthPx, heightPx, true);
     } else {
         DPL_TRY(const fs::path program, doppelProgram());
@@ -122,7 +128,7 @@ Status Exporter::beginVideo(ViewerState& state, ExportKind kind, fs::path file, 
     if (!begun) return begun.error();
     recording_.emplace(std::move(*begun));
     recorded_ = kind;
-    fromRad_ = state.camera.azimuthRad(), fromS_ = state.playback.timeS;
+    fromRad_ = state.camera.azimuthRad(), fromS_ = state.playback.timeS, beganS_ = state.nowS;
     state.exports.open = false;
     return {};
 }

@@ -45,6 +45,7 @@ private:
     std::optional<Recording> recording_;
     ExportKind recorded_ = ExportKind::Turntable;
     double fromRad_ = 0, fromS_ = 0;  // where the camera and the clock were
+    double beganS_ = 0;               // of state.nowS
     std::filesystem::path picture_, cutOut_;
     std::unique_ptr<FileExport> file_;
     bool opens_ = false;  // that file, once it is saved

@@ -15,9 +15,9 @@ bool isByProgram(ExportKind kind) {
     return kind >= ExportKind::SplatsGlb;
 }
 
-std::string whyNotExport(ExportKind kind, const ViewedSubject* chosen) {
+std::string whyNotExport(ExportKind kind, const ViewedSubject* chosen, const ViewedSubject* player) {
     if (!chosen) return kind == ExportKind::Picture ? "" : "Open an avatar first.";
-    if (kind == ExportKind::Clip && !chosen->clip) return "Choose a clip of the selected avatar first.";
+    if (kind == ExportKind::Clip && !player) return "Choose a clip of an avatar first.";
     if (kind == ExportKind::Mesh && !chosen->isAvatar()) return "General splats have no mesh; select an avatar.";
     if (isByProgram(kind) && chosen->path.empty()) return "The selected one has no file of its own.";
     return {};

@@ -24,7 +24,8 @@ constexpr std::array<ExportKindWords, 8> kExportKinds{{
     {ExportKind::Picture, "Picture", "What the window shows, without panels (.png)", ".png"},
     {ExportKind::CutOut, "Picture without background", "The avatars alone, on a transparent ground (.png)", ".png"},
     {ExportKind::Turntable, "Video: once around", "What the window shows, while the camera turns once around (.mp4)", ".mp4"},
-    {ExportKind::Clip, "Video: the clip", "What the window shows, while the selected avatar's clip plays once (.mp4)", ".mp4"},
+    {ExportKind::Clip, "Video: the clip", "What the window shows, while a clip plays once: the selected avatar's, if it has one (.mp4)",
+     ".mp4"},
     {ExportKind::SplatsGlb, "Splats (.glb)", "The selected one in its pose, for splat viewers: KHR_gaussian_splatting", ".glb"},
     {ExportKind::SplatsSpz, "Splats (.spz)", "The selected one in its pose, for splat viewers: the smallest file", ".spz"},
     {ExportKind::SplatsPly, "Splats (.ply)", "The selected one in its pose, for splat viewers and editors: the layout of INRIA", ".ply"},
@@ -35,8 +36,9 @@ const ExportKindWords& wordsOf(ExportKind kind);
 
 /** Whether `doppel export` writes it. */
 bool isByProgram(ExportKind kind);
-/** Why it cannot be exported from these now, with what would help; "": it can. chosen: the selected subject, or NULL. */
-std::string whyNotExport(ExportKind kind, const ViewedSubject* chosen);
+/** Why it cannot be exported from these now, with what would help; "": it can. chosen: the selected subject; player: whose clip plays.
+ *  Either may be NULL. */
+std::string whyNotExport(ExportKind kind, const ViewedSubject* chosen, const ViewedSubject* player);
 
 /** The file to be written: folder/NAME-1.ply or the first such name that is free. The name is that of the selected subject, for pictures
  *  and videos too. */

@@ -6,6 +6,7 @@
 namespace dpl {
 
 void Messages::add(Line line) {
+    note(line.text, line.error);
     if (lines_.size() == kMost) lines_.erase(lines_.begin());
     lines_.push_back(std::move(line));
 }
@@ -19,11 +20,17 @@ void Messages::info(const std::string& text, double nowS) {
     add({text, false, nowS + kSecondsShown});
 }
 
+void Messages::note(const std::string& text, bool error) {
+    if (log_.size() == kMostKept) log_.pop_front();
+    log_.push_back({text, error, nowS_});
+}
+
 void Messages::dismiss(size_t line) {
     if (line < lines_.size()) lines_.erase(lines_.begin() + std::ptrdiff_t(line));
 }
 
 void Messages::tick(double nowS) {
+    nowS_ = nowS;
     std::erase_if(lines_, [&](const Line& line) { return !line.error && line.untilS <= nowS; });
 }
 

@@ -5,6 +5,8 @@
 
 #include <algorithm>
 
+#include "apps/viewer/panel_style.h"
+
 namespace dpl {
 namespace {
 
@@ -58,7 +60,7 @@ void drawOpen(ViewerState& state, float width, float height) {
     ImGui::SetNextWindowSize({std::min(560.0f, width - 24), std::min(520.0f, height - 24)}, ImGuiCond_Always);
     ImGui::Begin("Open", &open,
                  ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoCollapse | ImGuiWindowFlags_NoSavedSettings);
-    ImGui::PushStyleColor(ImGuiCol_Text, ImVec4(0.62f, 0.66f, 0.72f, 1));
+    ImGui::PushStyleColor(ImGuiCol_Text, kQuietColour);
     ImGui::TextWrapped(
         "Avatars and splats (.glb, .ply, .spz), motions (.bvh, .glb), videos, and folders of runs and scans. They can also be dropped "
         "on the window.");

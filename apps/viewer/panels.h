@@ -9,12 +9,6 @@ namespace dpl {
 /** Shows and changes the state. size: of the picture in ImGui's coordinates. */
 void drawPanels(ViewerState& state, float width, float height);
 
-/** What keys and mouse do, if state.help. It closes itself by that. */
-void drawHelp(ViewerState& state, float width, float height);
-
-/** Messages alone, which are shown while the panels are hidden too. */
-void drawMessages(ViewerState& state, float width, float height);
-
 /** What the panels leave free, in ImGui's coordinates: from left to right. The avatars are centred there. */
 struct FreeSpan {
     float left = 0, right = 0;

@@ -2,6 +2,7 @@
 // What the panels show and change. The viewer reads it every frame.
 #pragma once
 
+#include <algorithm>
 #include <map>
 
 #include "apps/viewer/comparison.h"
@@ -98,14 +99,15 @@ struct ViewerState {
     float splatsPerPixel = 0, frameBudgetMs = 0;  // 0: off
     float magnification = 8;                      // of the scan's finest details, at most; 0: no limit
     bool keptAway = false;                        // the limit holds the camera back in this frame
-    bool panels = true, help = false;
+    bool panels = true, help = false, log = false;
     std::unique_ptr<RunStarter> starter;  // NULL: no run is being begun
     CoachSaid coach;
     std::optional<WatchedRun> run;
     std::optional<ComparedAvatar> compared;
     std::optional<OpenWindow> open;
     ExportWindow exports;
-    Outfit outfit{};  // what the selected avatar is to put on
+    Outfit outfit{};         // what the selected avatar is to put on
+    std::string faceSearch;  // among the sliders of a face
     Overlay overlay = Overlay::None;
     OverlayShapes weak;  // of the selected avatar in this frame
     ViewerSettings settings;
@@ -135,6 +137,13 @@ struct ViewerState {
         return nullptr;
     }
     ViewedSubject* chosen() { return selected < subjects.size() ? &subjects[selected] : nullptr; }
+    /** Whose clip the bar and videos go by: the selected one's, or else that of the first that is seen to play one. NULL: nobody plays. */
+    const ViewedSubject* player() {
+        if (const ViewedSubject* one = chosen(); one && one->clip) return one;
+        const auto plays = [](const ViewedSubject& subject) { return subject.shown && subject.clip.has_value(); };
+        const auto found = std::find_if(subjects.begin(), subjects.end(), plays);
+        return found == subjects.end() ? nullptr : &*found;
+    }
 };
 
 }  // namespace dpl

@@ -34,6 +34,7 @@ Result<ViewedSubject> ViewedSubject::of(doppel::Avatar avatar, std::string file)
     made.regions = regionsOf(bones, parents);
     made.byHandDeg.resize(made.joints.size(), Vec3f(0));
     made.rotations_.resize(made.joints.size() * 4);
+    DPL_TRY(made.face, FaceByHand::of(made.avatar));
     if (info->clipCount > 0) DPL_RETURN_IF_ERROR(made.takeNewClip());
     if (!made.clips.empty()) made.clip = 0;
     return made;
@@ -86,6 +87,8 @@ Status ViewedSubject::pose(const Playback& clock, double nowS) {
     if (auto set = avatar.setTransform(rows); !set) return fromSdk(set.error());
     if (!isAvatar()) return {};
     if (auto set = avatar.setClothStiffness(clothStiffness); !set) return fromSdk(set.error());
+    if (face.any())
+        if (auto set = avatar.setExpression(face.weights); !set) return fromSdk(set.error());
     float root[3] = {};
     if (clip) {
         DPL_RETURN_IF_ERROR(poseByClips(clock, nowS));

@@ -5,6 +5,7 @@
 #include <doppel/doppel.hpp>
 #include <filesystem>
 
+#include "apps/viewer/face.h"
 #include "apps/viewer/joint_regions.h"
 #include "apps/viewer/orbit_camera.h"
 #include "apps/viewer/playback.h"
@@ -51,6 +52,7 @@ struct ViewedSubject {
     std::vector<std::string> joints;  // names
     std::vector<BodyRegion> regions;  // of each joint
     std::vector<Vec3f> byHandDeg;     // for each joint
+    FaceByHand face;                  // nothing of it: the avatar's face does not move
     float clothStiffness = 1;         // of dplSetClothStiffness
     bool shown = true;
     double asideM = 0;    // along +X of the world

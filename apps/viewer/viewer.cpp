@@ -4,14 +4,19 @@
 #include <imgui.h>
 
 #include <algorithm>
+#include <chrono>
 #include <cstdio>
 #include <cstdlib>
 #include <numbers>
 #include <thread>
+#include <utility>
 
 #include "apps/shared/pictures.h"
 #include "apps/viewer/compared_avatar.h"
 #include "apps/viewer/export_panel.h"
+#include "apps/viewer/help_panel.h"
+#include "apps/viewer/log_panel.h"
+#include "apps/viewer/messages_panel.h"
 #include "apps/viewer/new_runs.h"
 #include "apps/viewer/open_panel.h"
 #include "apps/viewer/overlay_panel.h"
@@ -167,12 +172,14 @@ Status Viewer::frame() {
     DPL_RETURN_IF_ERROR(arrange());
     const ImVec2 size = ImGui::GetIO().DisplaySize;
     state_.messages.tick(nowS());
+    for (const LibraryLog::Line& line : libraryLog_.take()) state_.messages.note(line.text, line.warning);
     if (!state_.compared) drawOverlay(state_, cameraNow(), ImGui::GetIO().DisplayFramebufferScale.x);
     if (!exporter_.records()) {
         if (state_.panels) drawPanels(state_, size.x, size.y);
         drawHelp(state_, size.x, size.y);
         drawOpen(state_, size.x, size.y);
         drawExport(state_, size.x, size.y);
+        drawLog(state_, size.x, size.y);
     }
     drawExportProgress(state_, size.x);
     drawMessages(state_, size.x, size.y);

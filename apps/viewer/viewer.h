@@ -3,11 +3,11 @@
 // begins when all files are loaded.
 #pragma once
 
-#include <chrono>
 #include <memory>
 
 #include "apps/viewer/device_tries.h"
 #include "apps/viewer/exporter.h"
+#include "apps/viewer/library_log.h"
 #include "apps/viewer/loader.h"
 #include "apps/viewer/opened_files.h"
 #include "apps/viewer/options.h"
@@ -62,6 +62,7 @@ private:
     double nowS() const;
     bool scriptMayBegin() const { return waitingFor_ == 0 && settling_ == 0; }
 
+    LibraryLog libraryLog_;  // first, so that it hears all
     const ViewerOptions options_;
     Timings& timings_;
     const std::unique_ptr<platform::Shell> shell_;

@@ -46,6 +46,7 @@ void Viewer::takeKey(int key) {  // GLFW's codes of letters and digits are those
     if (key == ' ') state_.playback.playing = !state_.playback.playing;
     if (key == 'F') state_.wantsFrame = true;
     if (key == 'O') state_.wantsOpenWindow = true;
+    if (key == 'L') state_.log = !state_.log;
     if (key == 'H') state_.panels = !state_.panels;
     if (key == 'E') openExport(state_);
     if (key == 'P') state_.wantsExport = ExportKind::Picture;
@@ -65,6 +66,8 @@ void Viewer::takeKey(int key) {  // GLFW's codes of letters and digits are those
 void Viewer::escape() {
     if (state_.open)
         state_.open.reset();
+    else if (state_.log)
+        state_.log = false;
     else if (state_.exports.open)
         state_.exports.open = false;
     else if (state_.exports.running)

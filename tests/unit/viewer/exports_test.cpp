@@ -51,18 +51,20 @@ TEST_F(ExportsTest, everyKindHasItsWords) {
 }
 
 TEST_F(ExportsTest, saysWhatIsMissing) {
-    EXPECT_EQ(whyNotExport(ExportKind::Picture, nullptr), "");
+    EXPECT_EQ(whyNotExport(ExportKind::Picture, nullptr, nullptr), "");
     for (const ExportKindWords& words : kExportKinds) {
         const bool drawn = words.kind == ExportKind::Picture;
-        EXPECT_EQ(whyNotExport(words.kind, nullptr).empty(), drawn) << words.name;
+        EXPECT_EQ(whyNotExport(words.kind, nullptr, nullptr).empty(), drawn) << words.name;
     }
     ViewedSubject ada = avatar();
-    for (const ExportKindWords& words : kExportKinds) EXPECT_EQ(whyNotExport(words.kind, &ada), "") << words.name;
+    for (const ExportKindWords& words : kExportKinds) EXPECT_EQ(whyNotExport(words.kind, &ada, &ada), "") << words.name;
     ada.clip.reset();
-    EXPECT_NE(whyNotExport(ExportKind::Clip, &ada), "");
+    EXPECT_NE(whyNotExport(ExportKind::Clip, &ada, nullptr), "");
+    ViewedSubject walker = avatar();
+    EXPECT_EQ(whyNotExport(ExportKind::Clip, &ada, &walker), "") << "another one plays a clip, as beside splats";
     ada.path.clear();
-    EXPECT_NE(whyNotExport(ExportKind::SplatsPly, &ada), "");
-    EXPECT_EQ(whyNotExport(ExportKind::Turntable, &ada), "");
+    EXPECT_NE(whyNotExport(ExportKind::SplatsPly, &ada, &ada), "");
+    EXPECT_EQ(whyNotExport(ExportKind::Turntable, &ada, &ada), "");
 }
 
 TEST_F(ExportsTest, namesTheNextFreeFileAfterTheSubject) {
