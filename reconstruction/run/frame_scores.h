@@ -16,7 +16,8 @@ namespace dpl {
 Result<LabelColours> gatherLabelColours(const FrameTable& table);
 
 /** Draws each frame of `set` in the poses found for it, and scores both pictures and both floors. poses: one a frame of the scan.
- *  withPictures: keep what the page shows: truth, render and difference, as pictures and on the surface. Errors: a picture cannot be read; Cancelled. */
+ *  withPictures: keep what the page shows: truth, render and difference, as pictures and on the surface. Errors: a picture cannot be read;
+ * Cancelled. */
 Result<std::vector<HeldOutFrame>> scoreFrames(const LabelColours& labelColours, const FrameSet& set, const AvatarData& avatar,
                                               AvatarView& view, const PosesFile& poses, bool withPictures, Jobs& jobs);
 

@@ -184,7 +184,8 @@ final class JniTest {
                 () -> Native.setExpressionNamed(avatar, new String[] {"jawOpne"}, new float[] {1}));
         expectError(invalid, "there is no expression ''", "no name",
                 () -> Native.setExpressionNamed(avatar, new String[] {null}, new float[] {1}));
-        expectError(DoppelException.NOT_FOUND, "no expression 52", "an expression beyond the last", () -> Native.isExpressionDrawn(avatar, 52));
+        expectError(DoppelException.NOT_FOUND, "no expression 52", "an expression beyond the last",
+                () -> Native.isExpressionDrawn(avatar, 52));
         String[] many = new String[1000];
         Arrays.fill(many, "blink");
         Native.setExpressionNamed(avatar, many, new float[1000]);
