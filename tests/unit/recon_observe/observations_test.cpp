@@ -96,7 +96,7 @@ TEST(OnnxNet, installedHeavyNetworkGivesThePinnedLandmarks) {
 TEST(OnnxNet, installedNetworksOfHandsGiveThePinnedValues) {
     const auto folder = installedModels();
     if (folder.empty() || !std::filesystem::exists(folder / "hand_landmarks.onnx"))
-        GTEST_SKIP() << "tools/models has not installed hand_landmarks.onnx; installs of before 30 November lack it";
+        GTEST_SKIP() << "tools/models has not installed hand_landmarks.onnx; installs of before the evening of 29 November lack it";
     const auto hand = outputsOf(folder / "hand_landmarks.onnx", madeUpPicture(224), 224);
     ASSERT_EQ(hand.size(), 4u);
     ASSERT_EQ(hand[0].data.size(), 63u);
