@@ -37,13 +37,28 @@ async function threeScene(THREE, renderer) {
 export const KINDS = { three: ['mesh'], 'three-vrm': ['vrm'], 'three-splats': ['splats'], spark: ['splats'], playcanvas: ['splats', 'mesh'], babylon: ['splats', 'mesh'] };
 
 /** Each opens a file {url, name, kind}, or shows the live person of {person}. Returns {draw(shot) → canvas, isSorting(), end()}; without
- *  isSorting it has sorted when 0.4 s have passed, with sortsAtOnce at once. */
+ *  isSorting it has sorted when 0.4 s have passed, with sortsAtOnce at once. express(face of FACES), where the viewer knows morph targets:
+ *  shows it, or false where the file has none. */
 export const VIEWERS = {
   async three({ url }) {
     const THREE = await import('three'), { GLTFLoader } = await import('three/addons/loaders/GLTFLoader.js');
     const renderer = new THREE.WebGLRenderer({ antialias: true, canvas: newCanvas() }), { scene, draw } = await threeScene(THREE, renderer);
-    scene.add((await new GLTFLoader().loadAsync(url)).scene);
-    return { draw, end: () => renderer.dispose() };
+    const { DRACOLoader } = await import('three/addons/loaders/DRACOLoader.js');
+    const { MeshoptDecoder } = await import('three/addons/libs/meshopt_decoder.module.js');
+    const draco = new DRACOLoader().setDecoderPath('/three/examples/jsm/libs/draco/gltf/');
+    const model = (await new GLTFLoader().setDRACOLoader(draco).setMeshoptDecoder(MeshoptDecoder).loadAsync(url)).scene;
+    scene.add(model);
+    const express = ({ weights }) => {
+      let found = false;
+      model.traverse(({ morphTargetDictionary: numbers, morphTargetInfluences: influences }) => {
+        if (!numbers) return;
+        found = true;
+        influences.fill(0);
+        for (const [name, weight] of Object.entries(weights)) if (name in numbers) influences[numbers[name]] = weight;
+      });
+      return found;
+    };
+    return { draw, express, end: () => (draco.dispose(), renderer.dispose()) };
   },
 
   // A VRM stands in its T-pose.
@@ -57,7 +72,17 @@ export const VIEWERS = {
     if (!vrm?.humanoid?.getNormalizedBoneNode('hips')) throw new Error('it sees no VRM humanoid');
     vrm.update(1 / 30);
     scene.add(vrm.scene);
-    return { draw, end: () => renderer.dispose() };
+    const express = ({ vrm: weights }) => {
+      const manager = vrm.expressionManager;
+      for (const name of Object.keys(manager?.expressionMap ?? {})) manager.setValue(name, 0);
+      for (const [name, weight] of Object.entries(weights)) {
+        if (!manager?.getExpression(name)) return false;
+        manager.setValue(name, weight);
+      }
+      vrm.update(1 / 30);
+      return true;
+    };
+    return { draw, express, end: () => renderer.dispose() };
   },
 
   // three.js' own splats need its WebGPURenderer, which falls back to WebGL2.

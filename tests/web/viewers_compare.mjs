@@ -37,4 +37,17 @@ export function differences(rgba, { rgba: expected, covered }) {
   return { all, inside, insideCount, patch };
 }
 
+/** What a picture differs from that of an expression and from that of the face at rest, where these two differ: sums of squares, and values
+ *  over three channels. */
+export function whereItMoves(rgba, { rgba: expressed }, { rgba: rest }) {
+  const STILL = 8;  // levels
+  let toExpressed = 0, toRest = 0, pixels = 0;
+  for (let p = 0; p < WIDTH * HEIGHT; ++p) {
+    if ([0, 1, 2].every(c => Math.abs(expressed[4 * p + c] - rest[4 * p + c]) <= STILL)) continue;
+    ++pixels;
+    for (let c = 0; c < 3; ++c) toExpressed += (rgba[4 * p + c] - expressed[4 * p + c]) ** 2, toRest += (rgba[4 * p + c] - rest[4 * p + c]) ** 2;
+  }
+  return { toExpressed, toRest, pixels };
+}
+
 export const decibels = (sum, pixels) => 10 * Math.log10(255 * 255 * 3 * pixels / Math.max(sum, 1e-9));

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Runs in the browser: opens each file of /work/viewers/files.json in the viewer that the address names, draws it from the cameras of
-// viewers_shots.mjs over white, and posts the pictures. What a viewer cannot open is an answer too.
+// viewers_shots.mjs over white, with expressions where it finds some, and posts the pictures. What a viewer cannot open is an answer too.
 import { KINDS, pixelsOf, VIEWERS } from './viewers.mjs';
-import { shotsOf } from './viewers_shots.mjs';
+import { FACES, NEAR, shotsOf } from './viewers_shots.mjs';
 
 const post = (path, body) => fetch(path, { method: 'POST', body });
 const pause = ms => new Promise(done => setTimeout(done, ms));
@@ -25,6 +25,10 @@ async function show(viewer, file) {
     do await pause(400);  // splats are sorted meanwhile
     while (shown.isSorting?.() && performance.now() < late);
     await post(`/picture/${file.label}-${shot.name}.rgba`, pixelsOf(shown.draw(shot)));
+  }
+  for (const face of shown.express ? FACES : []) {
+    if (!shown.express(face)) break;  // the file has none
+    await post(`/picture/${file.label}-face-${face.name}.rgba`, pixelsOf(shown.draw(NEAR)));
   }
   shown.end();
   document.querySelector('main').replaceChildren();

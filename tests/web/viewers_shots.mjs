@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Cameras from which other viewers draw exported files: eight sides, and the face from 0.7 m; and poses that they draw live.
+// Cameras from which other viewers draw exported files: eight sides, and the face from 0.7 m; expressions of that face; and poses that they
+// draw live.
 export const WIDTH = 480, HEIGHT = 640;
 
 /** Of the pages: the viewers make code and workers of texts. */
@@ -17,6 +18,15 @@ export const shotsOf = viewer => SHOTS.filter(({ name }) => !SLOW.includes(viewe
 
 /** A line of the referee's input: the avatar at rest. */
 export const line = shot => [-1, 0, ...shot.eye, ...shot.target, shot.fovY, WIDTH, HEIGHT, `${shot.name}.rgba`].join(' ');
+
+/** Expressions by ARKit's names, and what shows the same in a VRM. */
+const both = (name, weight) => ({ [`${name}Left`]: weight, [`${name}Right`]: weight });
+export const FACES = [
+  { name: 'jaw', weights: { jawOpen: 1 }, vrm: { jawOpen: 1 } },
+  { name: 'blink', weights: both('eyeBlink', 1), vrm: { blink: 1 } },
+  { name: 'smile', weights: { ...both('mouthSmile', 0.8), ...both('cheekSquint', 0.5), ...both('eyeSquint', 0.3) }, vrm: { happy: 1 } },
+];
+export const NEAR = SHOTS.find(({ name }) => name === 'near');
 
 /** Poses of the first clip, from two sides in turn. Each fifth has files: these are exported five a second. */
 const POSES = 30, POSES_A_SECOND = 25, A_FILE = 5;

@@ -9,8 +9,8 @@ import path from 'node:path';
 import { parseArgs } from 'node:util';
 import { visit } from './browser.mjs';
 import { png } from './png.mjs';
-import { decibels, differences, isDrawn, reference } from './viewers_compare.mjs';
-import { HEIGHT, POLICY, SHOTS, shotsOf, WIDTH } from './viewers_shots.mjs';
+import { decibels, differences, isDrawn, reference, whereItMoves } from './viewers_compare.mjs';
+import { FACES, HEIGHT, POLICY, SHOTS, shotsOf, WIDTH } from './viewers_shots.mjs';
 
 const LEAST_SEEN = 0.5;  // of the height: less is a person who hangs below the floor, head down
 const work = path.join(process.env.WEB_WORK, 'viewers');
@@ -67,6 +67,15 @@ function score({ label, kind }, viewer, pictures) {
   };
 }
 
+/** Of each expression that the viewer showed: dB where it moves the face, against that expression and against the face at rest. */
+function scoreFaces(label, pictures) {
+  const shown = FACES.filter(({ name }) => pictures.has(`${label}-face-${name}`));
+  return shown.map(({ name }) => {
+    const file = path.join(work, `face-${name}.rgba`), { toExpressed, toRest, pixels } = whereItMoves(pictures.get(`${label}-face-${name}`), reference(file), references.near);
+    return { name, pixels, db: decibels(toExpressed, pixels), rest_db: decibels(toRest, pixels) };
+  });
+}
+
 /** What blender_draw.py left, as visit() tells it. */
 function ofBlender(folder) {
   const found = {}, pictures = new Map();
@@ -85,18 +94,27 @@ for (const [viewer, { version, folders, folder }] of Object.entries(JSON.parse(p
   for (const { label, kind } of files.filter(file => result.files[file.label])) {  // others are not for this viewer
     const { cannot } = result.files[label];
     const row = { row: 'viewer', viewer, version, file: label, kind, ...(cannot ? { cannot } : score({ label, kind }, viewer, pictures)) };
+    const faces = cannot ? [] : scoreFaces(label, pictures);
+    if (faces.length) row.faces = faces;
+    for (const { name } of faces) fs.writeFileSync(path.join(work, viewer, `${label}-face-${name}.png`), png(pictures.get(`${label}-face-${name}`), WIDTH, HEIGHT));
     for (const shot of cannot ? [] : shotsOf(viewer))
       fs.writeFileSync(path.join(work, viewer, `${label}-${shot.name}.png`), png(pictures.get(`${label}-${shot.name}`), WIDTH, HEIGHT));
     rows.push(row);
     const measured = cannot || kind === 'vrm' ? '' : `, ${row.sides} sides ${row.sides_db.toFixed(1)} dB (covered ${row.sides_covered_db.toFixed(1)}, patch ` +
       `${row.sides_patch.toFixed(1)}), near ${row.near_db.toFixed(1)} dB (${row.near_covered_db.toFixed(1)}, ${row.near_patch.toFixed(1)})`;
     const shows = cannot ? `cannot: ${cannot}` : `${row.stands}, ${(100 * row.height).toFixed(1)} % of the height`;
-    console.log(`${viewer} ${version}: ${label}: ${shows}${measured}`);
+    const moved = faces.map(({ name, db, rest_db }) => `, ${name} ${db.toFixed(1)} dB (the face at rest: ${rest_db.toFixed(1)})`).join('');
+    console.log(`${viewer} ${version}: ${label}: ${shows}${measured}${moved}`);
   }
 }
 for (const shot of SHOTS) fs.writeFileSync(path.join(work, `${shot.name}.png`), png(references[shot.name].rgba, WIDTH, HEIGHT));
 if (options.json) fs.writeFileSync(options.json, rows.map(row => `${JSON.stringify(row)}\n`).join(''));
 
+for (const { name } of FACES)
+  if (fs.existsSync(path.join(work, `face-${name}.rgba`))) fs.writeFileSync(path.join(work, `face-${name}.png`), png(reference(path.join(work, `face-${name}.rgba`)).rgba, WIDTH, HEIGHT));
+// A face that a viewer moves is nearer to that expression than to the face at rest.
+for (const { viewer, file, faces } of rows)
+  for (const { name, db, rest_db } of faces ?? []) assert.ok(db > rest_db, `${viewer} shows ${name} of ${file} at ${db} dB, the face at rest has ${rest_db}`);
 // What the guide promises of each file must hold: somebody shows it, upright and of the right size.
 for (const { label, kind } of files) {
   const shown = rows.filter(row => row.file === label && !row.cannot);

@@ -366,7 +366,14 @@ def viewers(store):
                 "of those that either picture covers. *Worst patch*: the mean difference in the worst square of 16 pixels, levels. A viewer has no gate, "
                 "draws with a low-pass of its own, and smooths the edges of meshes as it likes. The VRM stands in its T-pose, so only its height is compared.\n\n" + table(
                     ["viewer", "file", "stands", "height", "eight sides, dB", "worst patch", "0.7 m, dB", "worst patch"],
-                    [cells(r) for r in rows]))
+                    [cells(r) for r in rows])) + faces([r for r in rows if "faces" in r])
+
+    def faces(rows):
+        if not rows:
+            return ""
+        return ("\nExpressions of the exported meshes from 0.7 m, where they move the face: dB against `dplRender` with that expression · against the face at rest.\n\n" + table(
+            ["viewer", "file", *[face["name"] for face in rows[0]["faces"]]],
+            [[f"{VIEWERS[r['viewer']]} {r['version']}", f"`{r['file']}`", *[f"{number(face['db'], 1)} · {number(face['rest_db'], 1)}" for face in r["faces"]]] for r in rows]))
     return section(store, "viewers", "Exported files in other people's viewers", body)
 
 
