@@ -7,6 +7,7 @@
 #include "reconstruction/subject/body/body_tools.h"
 #include "reconstruction/subject/body/makehuman.h"
 #include "reconstruction/subject/body/smplx.h"
+#include "reconstruction/subject/face/makehuman_face.h"
 #include "reconstruction/subject/sample/builtin_body.h"
 
 namespace dpl {
@@ -19,7 +20,11 @@ struct BodyOptions {
 /** A folder is MakeHuman data, .npz is SMPL-X, .glb is a rigged glTF, "builtin" the built-in body. */
 Result<BodyModel> importBody(const std::filesystem::path& source) {
     if (source == "builtin") return withBoneMorphs(makeBuiltinBody());
-    if (std::filesystem::is_directory(source)) return importMakeHuman(source);
+    if (std::filesystem::is_directory(source)) {
+        DPL_TRY(BodyModel body, importMakeHuman(source));
+        DPL_TRY(body.expressions, makeHumanExpressions(source, body));
+        return body;
+    }
     const std::string extension = source.extension().string();
     if (extension == ".npz") return importSmplx(source);
     if (extension == ".glb") return readBody(source);
@@ -37,6 +42,7 @@ std::string describe(const BodyModel& body) {
     for (const JointData& joint : body.joints) bones += !joint.humanoidBone.empty();
     text += formatText("{} joints have humanoid bone names\nshape morphs:", bones);
     for (const ShapeMorph& morph : body.morphs) text += formatText(" {} [{}, {}]", morph.name, morph.minValue, morph.maxValue);
+    if (!body.expressions.empty()) text += formatText("\nexpressions: {}", body.expressions.size());
     return text;
 }
 

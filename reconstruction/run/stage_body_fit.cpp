@@ -33,8 +33,13 @@ Result<ChosenBody> StageOf<ChosenBody>::compute(StageInputs& in) {
     }
     if (Status checked = checkBody(chosen.body); !checked)
         return fail(checked.error().code, "{}: {}", file.empty() ? "the built-in body" : file.string(), checked.error().message);
-    DPL_TRY(auto bytes, encodeBody(chosen.body));
-    chosen.hash = hashBytes(bytes);
+    DPL_TRY(const auto whole, encodeBody(chosen.body));
+    chosen.faceHash = hashBytes(whole);
+    std::vector<ExpressionShape> expressions;
+    std::swap(expressions, chosen.body.expressions);
+    DPL_TRY(const auto still, encodeBody(chosen.body));
+    chosen.hash = hashBytes(still);
+    std::swap(expressions, chosen.body.expressions);
     return chosen;
 }
 

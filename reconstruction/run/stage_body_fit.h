@@ -9,10 +9,11 @@
 
 namespace dpl {
 
-/** A body before any fit, with the hash of its file bytes. */
+/** A body before any fit. */
 struct ChosenBody {
     BodyModel body;
-    std::string hash;
+    std::string hash;      // of its file bytes without expressions: no fit reads these
+    std::string faceHash;  // with them
 };
 
 template <>

@@ -3,12 +3,15 @@
 
 #include <algorithm>
 
+#include "reconstruction/run/hidden_parts.h"
 #include "reconstruction/run/settings_json.h"
 #include "reconstruction/run/stage_assemble.h"
+#include "reconstruction/run/stage_body_fit.h"
 #include "reconstruction/run/stage_body_map.h"
 #include "reconstruction/run/stage_co_optimise.h"
 #include "reconstruction/run/stage_evidence.h"
 #include "reconstruction/run/stage_garments.h"
+#include "reconstruction/subject/face/body_face.h"
 #include "reconstruction/training/trainer/polish.h"
 #include "sdk/core/files.h"
 
@@ -22,6 +25,8 @@ Status StageOf<Package>::inputs(StageInputs& in) {
     in.value("decided", rows);
     in.value("polish", polishInputs(after->settings));
     in.value("training", trainingInputs(after->settings));
+    DPL_TRY(const ChosenBody* chosen, in.part<ChosenBody>());
+    in.value("face", chosen->faceHash);
     DPL_RETURN_IF_ERROR(in.use<MappedBody>());
     DPL_RETURN_IF_ERROR(in.use<AssembledAvatar>());
     return in.use<MeasuredParts>();
@@ -30,6 +35,7 @@ Status StageOf<Package>::inputs(StageInputs& in) {
 Status StageOf<Package>::make(StageInputs& in, StageContext& context) {
     DPL_TRY(const SettingsAfterTraining* after, in.of<SettingsAfterTraining>());
     DPL_TRY(const GarmentLayers* layers, in.of<GarmentLayers>());
+    DPL_TRY(const ChosenBody* chosen, in.of<ChosenBody>());
     DPL_TRY(const MappedBody* mapped, in.of<MappedBody>());
     DPL_TRY(const MeasuredParts* measured, in.of<MeasuredParts>());
     DPL_TRY(const AssembledAvatar* assembled, in.of<AssembledAvatar>());
@@ -57,6 +63,9 @@ Status StageOf<Package>::make(StageInputs& in, StageContext& context) {
     DPL_TRY(avatar, polish(std::move(avatar), assembled->triangleLabel, assembled->frames, settings.polishSteps, settings.training.seed,
                            in.jobs()));
     avatar.captureMap = mapped->capture;
+    DPL_TRY([[maybe_unused]] const size_t painted, paintHiddenParts(avatar, chosen->body));
+    DPL_TRY(const EvidenceData face, addBodyFace(avatar, chosen->body));
+    avatar.evidence.push_back(face);
     DPL_TRY(auto bytes, writeAvatar(avatar, kPackaged));
     std::error_code ignored;
     std::filesystem::remove(checkpoint, ignored);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The stage package. The evidence decides which parts go into the file. What remains makes up for pose correctives that do not (trainedOn),
-// a short polish runs on the decoded avatar, and the avatar is encoded with the capture map.
+// a short polish runs on the decoded avatar, the body's expressions are added, and the avatar is encoded with the capture map.
 #pragma once
 
 #include "reconstruction/run/graph.h"
@@ -14,7 +14,7 @@ struct Package {
 template <>
 struct StageOf<Package> {
     static constexpr StageName kName{"package", 8};
-    static constexpr const char* kPriors[] = {"input/cameras",   "input/capture",        "subject/garments",
+    static constexpr const char* kPriors[] = {"input/cameras",   "input/capture",        "subject/body",    "subject/garments",
                                               "subject/surface", "training/correctives", "training/trainer"};
     static Status inputs(StageInputs& in);
     static Status make(StageInputs& in, StageContext& context);

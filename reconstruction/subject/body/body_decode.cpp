@@ -9,6 +9,7 @@
 #include "reconstruction/subject/body/body_tools.h"
 #include "sdk/avatar/humanoid.h"
 #include "sdk/core/files.h"
+#include "sdk/format/expression_names.h"
 #include "sdk/format/skin_weights.h"
 #include "sdk/format/skinned_gltf.h"
 
@@ -104,6 +105,21 @@ bool applyExtras(const Json& extras, BodyModel& body) {
     return true;
 }
 
+/** Whether a file says that a morph with the name of an expression shapes the body: one that was written before bodies had expressions. */
+bool isShapeMorph(const std::optional<Json>& extras, const std::string& name) {
+    if (!extras || !extras->contains("morphs") || !extras->at("morphs").is_array()) return false;
+    const Json& morphs = extras->at("morphs");
+    return std::any_of(morphs.begin(), morphs.end(), [&](const Json& m) { return m.is_object() && text(m, "name") == name; });
+}
+
+/** The body's expression of this number, which is added where it is missing. They stay in rising order. */
+ExpressionShape& expressionNumbered(size_t number, BodyModel& body) {
+    const auto at = std::find_if(body.expressions.begin(), body.expressions.end(),
+                                 [&](const ExpressionShape& shape) { return shape.expression >= number; });
+    if (at != body.expressions.end() && at->expression == number) return *at;
+    return *body.expressions.insert(at, {uint8_t(number), {}});
+}
+
 /** The joints under one root, parents first, and the new index of each glTF joint. The skin's order is kept when it already has parents
  *  first, as in files from encodeBody(); otherwise the order is that of the node tree. */
 Status readJoints(const SkinnedGltf& gltf, std::span<const Mat4f> sceneFromNode, BodyModel& body, std::vector<uint32_t>& jointOfGltfJoint) {
@@ -195,6 +211,12 @@ Result<BodyModel> decodeBody(std::span<const uint8_t> bytes, std::string_view na
         }
         for (const glm::uvec3& t : part.triangles) mesh.triangles.push_back(t + first);
         for (const SkinnedGltf::Morph& m : part.morphs) {
+            if (const auto expression = expressionOf(m.name); expression && !isShapeMorph(extras, m.name)) {
+                std::vector<Vec3f>& offsets = expressionNumbered(*expression, body).offsetsM;
+                offsets.resize(first, Vec3f(0));
+                for (size_t v = 0; v < m.offsets.size(); ++v) offsets.push_back(Mat3f(blend[v]) * m.offsets[v]);
+                continue;
+            }
             auto morph = std::find_if(body.morphs.begin(), body.morphs.end(), [&](const ShapeMorph& s) { return s.name == m.name; });
             if (morph == body.morphs.end()) {
                 body.morphs.push_back({m.name, -1, 1, {}, std::vector<Vec3f>(body.joints.size(), Vec3f(0))});
@@ -206,6 +228,7 @@ Result<BodyModel> decodeBody(std::span<const uint8_t> bytes, std::string_view na
         mesh.layers.push_back(layer);
     }
     for (ShapeMorph& m : body.morphs) m.vertexOffsets.resize(mesh.restPositions.size(), Vec3f(0));
+    for (ExpressionShape& shape : body.expressions) shape.offsetsM.resize(mesh.restPositions.size(), Vec3f(0));
 
     if (extras) {
         if (!applyExtras(*extras, body))

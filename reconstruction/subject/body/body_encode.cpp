@@ -7,6 +7,7 @@
 #include "reconstruction/subject/body/body_tools.h"
 #include "sdk/core/files.h"
 #include "sdk/core/writer.h"
+#include "sdk/format/expression_names.h"
 
 namespace dpl {
 namespace {
@@ -103,6 +104,11 @@ Result<std::vector<uint8_t>> encodeBody(const BodyModel& body) {
         targetNames.push_back(m.name);
         weights.push_back(0);
     }
+    for (const ExpressionShape& shape : body.expressions) {
+        targets.push_back({{"POSITION", data.addVec3(shape.offsetsM)}});
+        targetNames.push_back(kExpressionNames[shape.expression]);
+        weights.push_back(0);
+    }
     std::vector<Mat4f> inverseBinds;
     for (const JointData& j : body.joints) {
         Mat4f m(1.0f);
@@ -129,7 +135,7 @@ Result<std::vector<uint8_t>> encodeBody(const BodyModel& body) {
     OrderedJson primitive = {{"attributes", attributes}, {"indices", indices}, {"mode", 4}};
     OrderedJson meshJson = {{"name", body.name.empty() ? "body" : body.name}};
     OrderedJson extras = {{"doppelBody", bodyExtras(body)}};
-    if (!body.morphs.empty()) {
+    if (!targets.empty()) {
         primitive["targets"] = targets;
         meshJson["weights"] = weights;
         extras["targetNames"] = targetNames;

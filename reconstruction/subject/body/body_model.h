@@ -24,12 +24,19 @@ struct BodyKeypoint {
     std::vector<std::pair<uint32_t, float>> joints;
 };
 
+/** What one of the 52 expressions of kExpressionNames moves, at weight 1. */
+struct ExpressionShape {
+    uint8_t expression = 0;
+    std::vector<Vec3f> offsetsM;  // one per vertex, at rest
+};
+
 struct BodyModel {
     std::string name;
     std::vector<JointData> joints;  // 55 for the built-in body; humanoidBone is filled where known
     MeshData mesh;                  // rest pose: A- or T-pose, facing +Z, feet at y = 0; layers[0] is the body
     std::vector<ShapeMorph> morphs;
     std::vector<BodyKeypoint> keypoints;
+    std::vector<ExpressionShape> expressions;  // in rising order; empty: its face cannot move
 };
 
 }  // namespace dpl

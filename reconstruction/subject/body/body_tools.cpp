@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "sdk/format/check_mesh.h"
+#include "sdk/format/expressions.h"
 
 namespace dpl {
 namespace {
@@ -58,6 +59,18 @@ Status checkBody(const BodyModel& body) {
         if (!allFinite(m.vertexOffsets) || !allFinite(m.jointOffsets) || !(m.minValue <= m.maxValue) || !std::isfinite(m.minValue) ||
             !std::isfinite(m.maxValue))
             return refuse(formatText("morph '{}' is not finite", m.name));
+    }
+    for (size_t e = 0; e < body.expressions.size(); ++e) {
+        const ExpressionShape& shape = body.expressions[e];
+        if (shape.expression >= kExpressionCount || (e > 0 && shape.expression <= body.expressions[e - 1].expression))
+            return refuse(formatText("expression {} is number {} of {}; each is listed once, in rising order", e, int(shape.expression),
+                                     kExpressionCount));
+        const char* name = kExpressionNames[shape.expression];
+        if (shape.offsetsM.size() != vertices) return refuse(formatText("expression '{}' is of another mesh", name));
+        for (const Vec3f& o : shape.offsetsM)
+            if (!(std::abs(o.x) <= kMostExpressionM && std::abs(o.y) <= kMostExpressionM && std::abs(o.z) <= kMostExpressionM))
+                return refuse(
+                    formatText("expression '{}' moves a vertex by more than {} m, or by what is not a number", name, kMostExpressionM));
     }
     for (const BodyKeypoint& k : body.keypoints) {
         double sum = 0;

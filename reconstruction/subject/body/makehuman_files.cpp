@@ -120,11 +120,11 @@ Result<MakeHumanMesh> readMakeHumanObj(const std::filesystem::path& path) {
                 return fail(Code::Unsupported, "{} line {}: a face has {} corners; only triangles and quads are read", path.string(),
                             lines.number, face.size());
             groups[group].insert(face.begin(), face.end());
-            if (group == "body") mesh.bodyFaces.push_back(std::move(face));
+            mesh.faces[group].push_back(std::move(face));
         }
     }
     for (auto& [name, set] : groups) mesh.groups[name].assign(set.begin(), set.end());
-    if (mesh.bodyFaces.empty())
+    if (!mesh.faces.contains("body"))
         return fail(Code::CorruptData, "{}: no faces in group 'body'; is this MakeHuman's base.obj?", path.string());
     return mesh;
 }
@@ -193,6 +193,52 @@ Result<MakeHumanRig> readMakeHumanRig(const std::filesystem::path& rigPath, cons
             out.emplace_back(uint32_t(vertex), weight);
         }
     }
+    return rig;
+}
+
+Result<MakeHumanFaceRig> readMakeHumanFaceRig(const std::filesystem::path& folder, const MakeHumanMesh& mesh) {
+    const std::filesystem::path rigPath = folder / "default.mhskel", weightsPath = folder / "default_weights.mhw";
+    DPL_TRY(const auto rigJson, readJson(rigPath));
+    DPL_TRY(const auto weightsJson, readJson(weightsPath));
+    MakeHumanFaceRig rig;
+    for (const auto& [joint, vertices] :
+         {std::pair{"eye.L____head", &rig.leftEye}, {"eye.R____head", &rig.rightEye}, {"jaw____head", &rig.jaw}}) {
+        const nlohmann::json::json_pointer place(std::string("/joints/") + joint);
+        if (!rigJson.contains(place) || !rigJson.at(place).is_array() || rigJson.at(place).empty())
+            return fail(Code::CorruptData, "{}: joint '{}' has no vertices", rigPath.string(), joint);
+        for (const auto& i : rigJson.at(place)) {
+            if (!i.is_number_unsigned() || i.get<uint64_t>() >= mesh.positionsDm.size())
+                return fail(Code::CorruptData, "{}: joint '{}' lies at a vertex that base.obj lacks", rigPath.string(), joint);
+            vertices->push_back(i.get<uint32_t>());
+        }
+    }
+    const auto bones = rigJson.find("bones"), weights = weightsJson.find("weights");
+    if (bones == rigJson.end() || !bones->is_object()) return fail(Code::CorruptData, "{}: no bones", rigPath.string());
+    if (weights == weightsJson.end() || !weights->is_object()) return fail(Code::CorruptData, "{}: no skin weights", weightsPath.string());
+    const auto hangsOnJaw = [&](std::string bone) {
+        for (size_t up = 0; up <= bones->size(); ++up) {  // a cycle ends too
+            if (bone == "jaw") return true;
+            const auto at = bones->find(bone);
+            if (at == bones->end() || !at->is_object() || !at->contains("parent") || !at->at("parent").is_string()) return false;
+            bone = at->at("parent").get<std::string>();
+        }
+        return false;
+    };
+    std::map<uint32_t, std::pair<float, float>> jawAndAll;
+    for (const auto& [bone, list] : weights->items()) {
+        const bool jaw = hangsOnJaw(bone);
+        for (const auto& pair : list) {
+            if (!pair.is_array() || pair.size() != 2 || !pair[0].is_number_unsigned() || !pair[1].is_number() ||
+                pair[0].get<uint64_t>() >= mesh.positionsDm.size() || !(pair[1].get<float>() >= 0 && pair[1].get<float>() <= 1))
+                return fail(Code::CorruptData, "{}: weights of '{}' are not [vertex, weight] pairs of base.obj", weightsPath.string(),
+                            bone);
+            auto& [onJaw, all] = jawAndAll[pair[0].get<uint32_t>()];
+            all += pair[1].get<float>();
+            if (jaw) onJaw += pair[1].get<float>();
+        }
+    }
+    for (const auto& [vertex, sums] : jawAndAll)
+        if (sums.first > 0) rig.withJaw[vertex] = sums.first / sums.second;
     return rig;
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Parses and checks the three kinds of MakeHuman / MPFB2 files. makehuman.cpp makes a body of them.
+// Parses and checks the files of MakeHuman / MPFB2. makehuman.cpp makes a body of them.
 #pragma once
 
 #include <filesystem>
@@ -13,11 +13,11 @@
 
 namespace dpl {
 
-/** base.obj: all positions in decimetres, the polygons of the group "body" only, and the vertices of every group. */
+/** base.obj: all positions in decimetres, the polygons and the vertices of every group. */
 struct MakeHumanMesh {
     std::vector<Vec3f> positionsDm;
-    std::vector<std::vector<uint32_t>> bodyFaces;         // 3 or 4 indices each
-    std::map<std::string, std::vector<uint32_t>> groups;  // group name -> its vertices, ascending, no repeats
+    std::map<std::string, std::vector<std::vector<uint32_t>>> faces;  // group name -> its polygons, 3 or 4 indices each
+    std::map<std::string, std::vector<uint32_t>> groups;              // group name -> its vertices, ascending, no repeats
 };
 Result<MakeHumanMesh> readMakeHumanObj(const std::filesystem::path& path);
 
@@ -38,5 +38,13 @@ struct MakeHumanRig {
 };
 Result<MakeHumanRig> readMakeHumanRig(const std::filesystem::path& rigPath, const std::filesystem::path& weightsPath,
                                       const MakeHumanMesh& mesh);
+
+/** Joints of the face and what moves with the jaw, from MakeHuman's default rig. */
+struct MakeHumanFaceRig {
+    std::vector<uint32_t> leftEye, rightEye, jaw;  // their mean is the joint's position
+    std::map<uint32_t, float> withJaw;             // vertex -> share of its weights on the jaw and what hangs on it, 0 to 1
+};
+/** Reads default.mhskel and default_weights.mhw in `folder`. */
+Result<MakeHumanFaceRig> readMakeHumanFaceRig(const std::filesystem::path& folder, const MakeHumanMesh& mesh);
 
 }  // namespace dpl

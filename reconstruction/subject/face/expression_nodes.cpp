@@ -38,6 +38,45 @@ std::vector<uint32_t> chooseNodes(const SurfaceGraph& graph, const std::vector<u
     }
 }
 
+/** What the shapes want of each place, and how far its nodes leave it from that. */
+class PlaceErrors {
+public:
+    PlaceErrors(std::span<const ExpressionShape> shapes, const std::vector<uint32_t>& vertexAt, const std::vector<uint8_t>& movedPlace)
+        : shapes_(shapes), vertexAt_(vertexAt), movedPlace_(movedPlace) {}
+
+    Vec3f wanted(const ExpressionShape& shape, uint32_t place) const {
+        const Vec3f offset = shape.offsetsM[vertexAt_[place]];
+        return glm::length(offset) < kLeastExpressionM ? Vec3f(0) : offset;
+    }
+    std::vector<float> of(std::span<const uint32_t> nodes, std::span<const PackedWeights> bound) const {
+        std::vector<float> off(movedPlace_.size(), 0);
+        for (const ExpressionShape& shape : shapes_)
+            for (uint32_t p = 0; p < off.size(); ++p) {
+                if (!movedPlace_[p]) continue;
+                Vec3f sum(0);
+                for (int k = 0; k < 4; ++k)
+                    if (bound[p].weights[k]) sum += float(bound[p].weights[k]) / 255.0f * wanted(shape, nodes[bound[p].joints[k]]);
+                off[p] = std::max(off[p], glm::length(sum - wanted(shape, p)));
+            }
+        return off;
+    }
+
+private:
+    std::span<const ExpressionShape> shapes_;
+    const std::vector<uint32_t>& vertexAt_;
+    const std::vector<uint8_t>& movedPlace_;
+};
+
+/** Places that are off by too much, and by more than their neighbours are. */
+std::vector<uint32_t> worstPlaces(const SurfaceGraph& graph, const std::vector<float>& off) {
+    std::vector<uint32_t> worst;
+    for (uint32_t p = 0; p < off.size(); ++p) {
+        const auto worse = [&](const std::pair<uint32_t, float>& to) { return std::pair(off[to.first], to.first) > std::pair(off[p], p); };
+        if (off[p] > kExpressionOffM && std::none_of(graph.neighbours[p].begin(), graph.neighbours[p].end(), worse)) worst.push_back(p);
+    }
+    return worst;
+}
+
 /** For each moved place up to four nodes: at a node that one alone, else by weights ((1 − d/d₅)/d)², which are exact at nodes. */
 std::vector<PackedWeights> bindPlaces(const SurfaceGraph& graph, std::span<const uint32_t> nodes) {
     std::vector<std::vector<std::pair<float, uint32_t>>> near(graph.neighbours.size());
@@ -90,7 +129,15 @@ Result<ExpressionNodesReport> addExpressions(AvatarData& avatar, std::span<const
     std::vector<uint8_t> movedPlace(graph.neighbours.size(), 0);
     std::vector<uint32_t> vertexAt(graph.neighbours.size(), 0);
     for (size_t v = vertexCount; v-- > 0;) movedPlace[graph.mergedOf[v]] |= moved[v], vertexAt[graph.mergedOf[v]] = uint32_t(v);
-    const std::vector<uint32_t> nodes = chooseNodes(graph, movedPlace);
+    const PlaceErrors errors(shapes, vertexAt, movedPlace);
+    std::vector<uint32_t> nodes = chooseNodes(graph, movedPlace);
+    std::vector<PackedWeights> bound = bindPlaces(graph, nodes);
+    std::vector<float> off = errors.of(nodes, bound);
+    for (std::vector<uint32_t> more; !(more = worstPlaces(graph, off)).empty();) {
+        nodes.insert(nodes.end(), more.begin(), more.end());
+        bound = bindPlaces(graph, nodes);
+        off = errors.of(nodes, bound);
+    }
 
     ExpressionNodesReport report{.nodes = uint32_t(nodes.size())};
     if (nodes.empty()) return report;
@@ -107,7 +154,6 @@ Result<ExpressionNodesReport> addExpressions(AvatarData& avatar, std::span<const
     c.nodeCount += uint32_t(nodes.size());
     for (const uint32_t node : nodes)
         for (uint32_t column = 0; column < c.columnCount(); ++column) c.nodes.push_back(columnAt(before, vertexAt[node], column));
-    const std::vector<PackedWeights> bound = bindPlaces(graph, nodes);
     for (size_t v = 0; v < vertexCount; ++v) {
         if (!movedPlace[graph.mergedOf[v]]) continue;
         const PackedWeights& to = bound[graph.mergedOf[v]];
@@ -122,8 +168,7 @@ Result<ExpressionNodesReport> addExpressions(AvatarData& avatar, std::span<const
     std::vector<Vec3f> nodeOffset(nodes.size());
     for (const ExpressionShape& shape : shapes) {
         for (size_t n = 0; n < nodes.size(); ++n) {
-            nodeOffset[n] = shape.offsetsM[vertexAt[nodes[n]]];
-            if (glm::length(nodeOffset[n]) < kLeastExpressionM) nodeOffset[n] = Vec3f(0);
+            nodeOffset[n] = errors.wanted(shape, nodes[n]);
             if (nodeOffset[n] != Vec3f(0)) x.nodes.push_back(uint16_t(first + n)), x.offsetsM.push_back(nodeOffset[n]);
         }
         if (x.nodes.size() == x.begin(x.shapes.size())) continue;  // it moves nothing

@@ -2,24 +2,21 @@
 // From shapes on vertices to expressions on control nodes, as an avatar holds them (docs/reference/expressions.md).
 //
 //   vertices that a shape moves ─► nodes at some of them, farthest first ─► nearest four a vertex, along the surface
+//   ─► more nodes where a vertex is off its shape, until none is
 //   offsets at the nodes' vertices ─► entries
 #pragma once
 
 #include <span>
 #include <vector>
 
+#include "reconstruction/subject/body/body_model.h"
 #include "sdk/core/result.h"
-#include "sdk/format/avatar_data.h"
 
 namespace dpl {
 
-constexpr float kExpressionNodeSpacingM = 0.0015f;  // from a vertex to the nearest node, at most
-constexpr float kLeastExpressionM = 1e-4f;          // smaller offsets are left out
-
-struct ExpressionShape {
-    uint8_t expression = 0;       // of kExpressionNames
-    std::vector<Vec3f> offsetsM;  // V, at weight 1, at rest
-};
+constexpr float kExpressionNodeSpacingM = 0.006f;  // from a vertex to the nearest node, at most
+constexpr float kExpressionOffM = 2e-4f;           // from a vertex to where its shape wants it, at weight 1, at most
+constexpr float kLeastExpressionM = 1e-4f;         // smaller offsets are left out
 
 struct ExpressionNodesReport {
     uint32_t nodes = 0, entries = 0;

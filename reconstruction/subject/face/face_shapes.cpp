@@ -5,6 +5,7 @@
 #include <cmath>
 #include <string_view>
 
+#include "reconstruction/subject/face/smooth.h"
 #include "sdk/format/expression_names.h"
 
 namespace dpl {
@@ -14,13 +15,8 @@ namespace {
 constexpr float kEyeX = 0.0318f, kMouthY = -0.0682f, kChinY = -0.123f;
 constexpr float kEyeHalfM = 0.0150f, kTopLidM = 0.0060f, kLowLidM = -0.0046f, kEyeBallZ = -0.0125f;
 constexpr float kCornerX = 0.0245f, kCornerY = -0.0672f;
+constexpr float kHeadM = 0.30f;  // farther from the mouth nothing moves
 constexpr float kHingeY = -0.030f, kHingeZ = -0.092f, kJawTurnRad = 0.11f;
-
-/** 0 at `from`, 1 at `to`, smooth at both. */
-float smooth(float from, float to, float x) {
-    const float t = std::clamp((x - from) / (to - from), 0.0f, 1.0f);
-    return t * t * (3 - 2 * t);
-}
 
 /** 1 in the middle, 0 beyond the radii; smooth. */
 float bump(const Vec3f& q, float x, float y, float radiusX, float radiusY) {
@@ -208,6 +204,17 @@ Vec3f faceOffset(const FaceLandmarks& face, size_t expression, const Vec3f& poin
     if (y < 0) q.y = y > -toMouth ? y / toMouth * -kMouthY : kMouthY + (y + toMouth) / toChin * (kMouthY - kChinY);
     const Vec3f offset = shapeOf(kExpressionNames[expression], q);
     return size * (offset.x * across + offset.y * up + offset.z * forward);
+}
+
+std::vector<ExpressionShape> faceShapes(const FaceLandmarks& face, std::span<const Vec3f> points) {
+    std::vector<ExpressionShape> shapes;
+    for (size_t expression = 0; expression < kExpressionCount; ++expression) {
+        if (!hasFaceShape(expression)) continue;
+        ExpressionShape& shape = shapes.emplace_back(ExpressionShape{uint8_t(expression), {}});
+        for (const Vec3f& point : points)
+            shape.offsetsM.push_back(glm::length(point - face.mouth) < kHeadM ? faceOffset(face, expression, point) : Vec3f(0));
+    }
+    return shapes;
 }
 
 }  // namespace dpl

@@ -5,8 +5,10 @@
 #pragma once
 
 #include <cstddef>
+#include <span>
+#include <vector>
 
-#include "sdk/math/types.h"
+#include "reconstruction/subject/body/body_model.h"
 
 namespace dpl {
 
@@ -25,5 +27,8 @@ bool hasFaceShape(size_t expression);
 
 /** Offset of a point of the skin at weight 1, metres; 0 far from what the expression moves. Exactly mirrored left and right. */
 Vec3f faceOffset(const FaceLandmarks& face, size_t expression, const Vec3f& point);
+
+/** All expressions that have a field, on these points of the skin. */
+std::vector<ExpressionShape> faceShapes(const FaceLandmarks& face, std::span<const Vec3f> points);
 
 }  // namespace dpl

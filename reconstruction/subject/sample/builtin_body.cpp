@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "reconstruction/subject/sample/builtin_body.h"
 
+#include "reconstruction/subject/face/face_shapes.h"
 #include "reconstruction/subject/sample/builtin_parts.h"
 
 namespace dpl {
@@ -41,6 +42,7 @@ BodyModel makeBuiltinBody(Jobs& jobs) {
     body.keypoints = bodyKeypoints(mesh);
     const std::vector<BodyKeypoint> fingers = fingerKeypoints(mesh);
     body.keypoints.insert(body.keypoints.end(), fingers.begin(), fingers.end());
+    body.expressions = faceShapes(builtinFace(), mesh.positions);
     return body;
 }
 

@@ -10,7 +10,6 @@
 #include "reconstruction/subject/sample/raycast.h"
 #include "reconstruction/subject/sample/skeleton.h"
 #include "sdk/format/avatar_file.h"
-#include "sdk/format/expression_names.h"
 #include "sdk/math/sh.h"
 
 namespace dpl {
@@ -169,19 +168,9 @@ ClipData walkOnTheSpot() {
 }
 
 std::vector<ExpressionShape> subjectFace(const Subject& subject) {
-    std::vector<ExpressionShape> shapes;
-    const FaceLandmarks landmarks = builtinFace();
-    for (size_t expression = 0; expression < kExpressionCount; ++expression) {
-        if (!hasFaceShape(expression)) continue;
-        ExpressionShape& shape = shapes.emplace_back();
-        shape.expression = uint8_t(expression);
-        shape.offsetsM.assign(subject.canonical.size(), Vec3f(0));
-        for (size_t layer = 0; layer < subject.parts.size(); ++layer) {
-            const LayerData& range = subject.mesh.layers[layer];
-            for (uint32_t v = range.firstVertex; range.role == "body" && v < range.firstVertex + range.vertexCount; ++v)
-                shape.offsetsM[v] = faceOffset(landmarks, expression, subject.canonical[v]);
-        }
-    }
+    const LayerData& body = subject.mesh.layers.front();
+    std::vector<ExpressionShape> shapes = faceShapes(builtinFace(), std::span(subject.canonical).first(body.vertexCount));
+    for (ExpressionShape& shape : shapes) shape.offsetsM.resize(subject.canonical.size(), Vec3f(0));
     return shapes;
 }
 

@@ -105,6 +105,60 @@ TEST(BodyIo, ownBodyComesBackBitForBit) {
     EXPECT_EQ(*encodeBody(*back), *bytes);
 }
 
+TEST(BodyIo, expressionsComeBackBitForBitAndAreNoShapeMorphs) {
+    BodyModel body = smallBody();
+    const size_t vertices = body.mesh.restPositions.size();
+    body.expressions = {{0, std::vector<Vec3f>(vertices, Vec3f(0, -0.01f, 0))}, {17, std::vector<Vec3f>(vertices, Vec3f(0, -0.03f, 0))}};
+    const auto bytes = encodeBody(body);
+    ASSERT_TRUE(bytes) << bytes.error().message;
+    const auto back = decodeBody(*bytes, "x");
+    ASSERT_TRUE(back) << back.error().message;
+    EXPECT_EQ(back->morphs.size(), body.morphs.size());
+    ASSERT_EQ(back->expressions.size(), 2u);
+    EXPECT_EQ(back->expressions[1].expression, 17);
+    EXPECT_EQ(back->expressions[1].offsetsM, body.expressions[1].offsetsM);
+    EXPECT_EQ(*encodeBody(*back), *bytes);
+}
+
+TEST(BodyIo, arkitMorphsOfAForeignBodyAreItsExpressions) {
+    BodyModel body = smallBody();
+    body.morphs[1].name = "jawOpen";
+    test::GlbParts parts = test::split(*encodeBody(body));
+    for (auto& mesh : parts.json["meshes"]) mesh["extras"].erase("doppelBody");
+    const auto back = decodeBody(parts.bytes(), "other");
+    ASSERT_TRUE(back) << back.error().message;
+    ASSERT_EQ(back->expressions.size(), 1u);
+    EXPECT_EQ(back->expressions[0].expression, 17);
+    for (const ShapeMorph& morph : back->morphs) EXPECT_NE(morph.name, "jawOpen");
+}
+
+TEST(BodyIo, aBodySavedBeforeExpressionsKeepsItsMorphOfThatName) {
+    BodyModel body = smallBody();
+    body.morphs[1].name = "jawOpen";  // as an import of a foreign body wrote it then
+    const auto back = decodeBody(*encodeBody(body), "old");
+    ASSERT_TRUE(back) << back.error().message;
+    EXPECT_TRUE(back->expressions.empty());
+    ASSERT_EQ(back->morphs.size(), 2u);
+    EXPECT_EQ(back->morphs[1].name, "jawOpen");
+}
+
+TEST(BodyIo, expressionsThatDoNotFitAreRefused) {
+    const size_t vertices = smallBody().mesh.restPositions.size();
+    const std::vector<Vec3f> still(vertices, Vec3f(0));
+    const auto refuses = [&](std::vector<ExpressionShape> expressions) {
+        BodyModel body = smallBody();
+        body.expressions = std::move(expressions);
+        return !checkBody(body);
+    };
+    EXPECT_FALSE(refuses({{3, still}, {4, still}}));
+    EXPECT_TRUE(refuses({{4, still}, {3, still}}));
+    EXPECT_TRUE(refuses({{3, still}, {3, still}}));
+    EXPECT_TRUE(refuses({{52, still}}));
+    EXPECT_TRUE(refuses({{3, std::vector<Vec3f>(vertices - 1, Vec3f(0))}}));
+    EXPECT_TRUE(refuses({{3, std::vector<Vec3f>(vertices, Vec3f(0, NAN, 0))}}));
+    EXPECT_TRUE(refuses({{3, std::vector<Vec3f>(vertices, Vec3f(0, 0.2f, 0))}}));
+}
+
 /** Stores positions as an optimiser does: q = (p − shift) / scale, undone by the bind matrices. */
 std::vector<uint8_t> rescaled(std::vector<uint8_t> bytes, float scale, const Vec3f& shift) {
     uint32_t jsonBytes = 0;

@@ -46,9 +46,9 @@ Vec3f place(const BodyModel& body, const BodyKeypoint& k) {
 
 TEST(MakeHuman, isAnAdultInMetresOnTheFloorFacingForward) {
     NEED_MAKEHUMAN();
-    EXPECT_EQ(body.mesh.restPositions.size(), 13380u);
-    EXPECT_EQ(body.mesh.triangles.size(), 26756u);
-    EXPECT_EQ(body.joints.size(), 52u);
+    EXPECT_EQ(body.mesh.restPositions.size(), 14136u);  // skin, eyeballs, teeth, tongue, lashes
+    EXPECT_EQ(body.mesh.triangles.size(), 28044u);
+    EXPECT_EQ(body.joints.size(), 55u);
     EXPECT_EQ(body.joints[0].name, "pelvis");
     float top = 0, low = 1;
     for (const Vec3f& p : body.mesh.restPositions) top = std::max(top, p.y), low = std::min(low, p.y);
@@ -74,6 +74,58 @@ TEST(MakeHuman, has24KeypointsAndTheHumanoidBones) {
         EXPECT_LT(glm::length(tip - end), 0.04f) << finger;
     }
     EXPECT_LT(std::abs(place(body, *keypoint(body, "eye_l")).x - 0.03f), 0.01f);  // half the distance between adult pupils is 31 mm
+}
+
+TEST(MakeHuman, eyeballsFollowTheirEyesAndLidsTheHead) {
+    NEED_MAKEHUMAN();
+    const int32_t left = findHumanoid(body, "leftEye"), right = findHumanoid(body, "rightEye"), head = findHumanoid(body, "head");
+    ASSERT_GE(left, 0);
+    ASSERT_GE(right, 0);
+    EXPECT_EQ(body.joints[size_t(left)].parent, head);
+    const auto onJoint = [&](uint32_t v, int32_t joint) {
+        int weight = 0;
+        for (int i = 0; i < 4; ++i) weight += int32_t(body.mesh.jointIndices[v][i]) == joint ? body.mesh.jointWeights[v][i] : 0;
+        return weight;
+    };
+    size_t leftCount = 0, rightCount = 0;
+    for (uint32_t v = 0; v < body.mesh.restPositions.size(); ++v) {
+        if (onJoint(v, left) + onJoint(v, right) == 0) continue;
+        EXPECT_GE(v, 13380u) << "skin on an eye";
+        EXPECT_EQ(onJoint(v, left) + onJoint(v, right), 255);
+        ++(onJoint(v, left) ? leftCount : rightCount);
+        const Vec3f from = body.mesh.restPositions[v] - body.joints[size_t(onJoint(v, left) ? left : right)].restPosition;
+        EXPECT_NEAR(glm::length(from), 0.0154f, 0.0006f) << "the joint is not in the middle of the eyeball";
+    }
+    EXPECT_EQ(leftCount, 72u);
+    EXPECT_EQ(rightCount, 72u);
+}
+
+TEST(MakeHuman, lowerTeethAndChinFollowTheJaw) {
+    NEED_MAKEHUMAN();
+    const int32_t jaw = findHumanoid(body, "jaw");
+    ASSERT_GE(jaw, 0);
+    const auto withJaw = [&](uint32_t v) {
+        int weight = 0;
+        for (int i = 0; i < 4; ++i) weight += int32_t(body.mesh.jointIndices[v][i]) == jaw ? body.mesh.jointWeights[v][i] : 0;
+        return weight / 255.0f;
+    };
+    EXPECT_GT(withJaw(732), 0.5f) << "the lowest of the chin";
+    EXPECT_EQ(withJaw(297), 0.0f) << "the tip of the nose";
+    size_t whole = 0;
+    for (uint32_t v = 13380; v < body.mesh.restPositions.size(); ++v) whole += withJaw(v) > 0.99f;
+    EXPECT_GE(whole, 68u + 226u) << "lower teeth and tongue";
+}
+
+TEST(MakeHuman, dataWithoutTheDefaultRigGiveABodyWithoutJointsOfTheFace) {
+    if (!sharedData("body-makehuman")) GTEST_SKIP() << "shared/data/body-makehuman is not on this machine";
+    const auto folder = std::filesystem::path(testing::TempDir()) / "makehuman_without_rig";
+    std::filesystem::create_directories(folder);
+    std::filesystem::remove(folder / "mpfb2");
+    std::filesystem::create_directory_symlink(*sharedData("body-makehuman") / "mpfb2", folder / "mpfb2");
+    const auto body = importMakeHuman(folder);
+    ASSERT_TRUE(body) << body.error().message;
+    EXPECT_EQ(body->joints.size(), 52u);
+    EXPECT_EQ(body->mesh.restPositions.size(), 14136u);
 }
 
 TEST(MakeHuman, heightMorphRaisesTheHeadAndKeepsTheFeetOnTheFloor) {

@@ -99,6 +99,7 @@ AvatarData packaged(ToyReconstruction& toy, const AssembledAvatar& assembled, bo
     dpl::Run run(toy.chain, toy.jobs, toy.progress);
     run.put(toy.layers, "layers");
     run.put(SettingsAfterTraining{toy.settings}, "settings");
+    run.put(toy.chosen, "chosen");
     run.put(MappedBody(), "map");
     run.put(assembled, "assembled");
     run.put(MeasuredParts{{{AvatarPart::CorrectiveLight, {"light", keepsLight, 0.0f, 0, "for the test"}}}},
@@ -119,6 +120,25 @@ TEST(Retrain, whatShipsHasMadeUpForAPartThatDidNotPay) {
     EXPECT_TRUE(hasPart(kept, AvatarPart::CorrectiveLight));
     EXPECT_FALSE(hasPart(dropped, AvatarPart::CorrectiveLight));
     EXPECT_GT(scoreOf(dropped, assembled.frames), scoreOf(kept, assembled.frames) + 1.0) << "nothing was taken, so nothing was made up for";
+}
+
+TEST(Retrain, whatShipsHasTheExpressionsOfItsBody) {
+    ToyReconstruction toy;
+    toy.settings.polishSteps = 2;
+    toy.takePictures(toy.avatar);
+    const AssembledAvatar assembled{toy.avatar, framesOfToy(toy), {}};
+    const AvatarData still = packaged(toy, assembled, true);
+    EXPECT_TRUE(still.expressions.empty());
+    EXPECT_NE(still.evidence.back().reason.find("brings no shapes"), std::string::npos);
+    toy.chosen.body.name = "ball", toy.chosen.body.mesh = toy.avatar.mesh, toy.chosen.faceHash = "smile";
+    toy.chosen.body.mesh.colours.clear();  // of one colour: it hides nothing
+    toy.chosen.body.expressions = {{23, std::vector<Vec3f>(toy.avatar.mesh.restPositions.size(), Vec3f(0, 0.01f, 0))}};
+    const AvatarData smiling = packaged(toy, assembled, true);
+    EXPECT_EQ(smiling.expressions.shapes, std::vector<uint8_t>{23});
+    EXPECT_NE(smiling.evidence.back().reason.find("face not filmed"), std::string::npos);
+    EXPECT_EQ(smiling.mesh.restPositions, still.mesh.restPositions);
+    EXPECT_EQ(smiling.splats.sh, still.splats.sh);
+    EXPECT_EQ(smiling.splats.uv, still.splats.uv);
 }
 
 }  // namespace

@@ -108,6 +108,7 @@ public:
     std::vector<Pose> truth;  // of all frames
     FrameTable table;
     MetricCameras metric;
+    ChosenBody chosen;
     FittedBody body;
     GarmentLayers layers;
     RegisteredPoses registered;
