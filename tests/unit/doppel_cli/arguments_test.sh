@@ -41,6 +41,7 @@ for out in views.png views.mp4; do refuses "$out: with --scan the output is a fo
 echo '{"step": 100}' >mine.json
 refuses "mine.json: a preset has no 'step' \(did you mean 'steps'\?\)" reconstruct scan -o out --preset mine.json
 refuses "there is no preset and no file 'hihg'" reconstruct scan -o out --preset hihg
+refuses "'quick' is no engine; cpu, gpu, gpu:NAME with a part of the GPU's name, and auto are" reconstruct scan -o out --engine quick
 refuses "--out requires preset" presets -o mine.json
 refuses "mine.json is the input mine.json itself" presets mine.json -o mine.json
 [ ! -e out ] || failed "a refused run made its output"
