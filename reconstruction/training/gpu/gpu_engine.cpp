@@ -16,6 +16,7 @@ uint64_t shaderInterface();
 namespace {
 
 static_assert(gpu::kTrainMinLogScale == kMinLogScale && gpu::kTrainMaxLogScale == kMaxLogScale && gpu::kTrainMaxLogit == kMaxOpacityLogit);
+static_assert(gpu::kTrainMaxSizeRatio == kMaxSizeRatio && gpu::kTrainLogAnisotropy == kLogAnisotropy);
 static_assert(gpu::kTrainBeta1 == kAdamBeta1 && gpu::kTrainBeta2 == kAdamBeta2 && gpu::kTrainLastCorrection == kLastCorrection);
 
 constexpr uint64_t kMostTiles = 65536;         // two digits of the sort

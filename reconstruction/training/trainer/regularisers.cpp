@@ -7,8 +7,7 @@
 namespace dpl {
 namespace {
 
-constexpr float kMaxSizeRatio = 0.6f, kEdgeSlack = 0.5f;
-const float kLogAnisotropy = std::log(10.0f);
+constexpr float kEdgeSlack = 0.5f;
 
 }  // namespace
 

@@ -9,6 +9,9 @@
 
 namespace dpl {
 
+constexpr float kMaxSizeRatio = 0.6f;          // of a splat to h, below: larger ones are pulled
+constexpr float kLogAnisotropy = 2.30258509f;  // ln 10: longer splats are pulled
+
 struct RegulariserWeights {
     float scaleHinge = 1.0f;   // mean of max(0, s/h − 0.6), h = max(size of the splat's triangle, 8 mm)
     float anisotropy = 0.01f;  // mean of max(0, ln(s_max/s_min) − ln 10)

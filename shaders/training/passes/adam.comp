@@ -22,9 +22,6 @@ layout(std430, binding = 13) readonly buffer CorrectionBlock { vec2 corrections[
 
 #include "shaders/training/lib/activate.glsl"
 
-const float kLogAnisotropy = 2.30258509;  // ln 10
-const float kMaxSizeRatio = 0.6;
-
 bool isFinite(float x) { return abs(x) < 3.0e38; }
 
 void main() {
@@ -37,10 +34,10 @@ void main() {
 
     // Terms on the size (addSplatRegularisers).
     vec2 scale = vec2(s.scale1M, s.scale2M), slope = max(vec2(0.0), scale * scale - t.floorM * t.floorM) / (scale * scale), term = vec2(0.0);
-    if (scale.x > kMaxSizeRatio * t.referenceM) term.x += frame.sizeTerm * scale.x / t.referenceM * slope.x;
-    if (scale.y > kMaxSizeRatio * t.referenceM) term.y += frame.sizeTerm * scale.y / t.referenceM * slope.y;
+    if (scale.x > kTrainMaxSizeRatio * t.referenceM) term.x += frame.sizeTerm * scale.x / t.referenceM * slope.x;
+    if (scale.y > kTrainMaxSizeRatio * t.referenceM) term.y += frame.sizeTerm * scale.y / t.referenceM * slope.y;
     float logRatio = log(scale.x / scale.y);
-    if (abs(logRatio) > kLogAnisotropy) term += frame.anisotropyTerm * sign(logRatio) * vec2(slope.x, -slope.y);
+    if (abs(logRatio) > kTrainLogAnisotropy) term += frame.anisotropyTerm * sign(logRatio) * vec2(slope.x, -slope.y);
 
     float squares = 0.0;
     for (uint k = 0u; k < frame.rowFloats; ++k) {

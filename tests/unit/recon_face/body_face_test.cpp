@@ -52,8 +52,7 @@ TEST(BodyFace, aFittedAvatarShowsEveryExpressionOfTheBuiltinBody) {
         posed.pose({avatar.joints, avatar.mesh, avatar.correctives, {}, nullptr, {}, nullptr, &avatar.expressions}, pose, jobs);
         for (size_t v = 0; v < before.mesh.restPositions.size(); ++v) {
             const Vec3f moved = posed.rest()[v] - before.mesh.restPositions[v];
-            ASSERT_LT(glm::length(moved - shape.offsetsM[v]), 3.5e-4f)
-                << kExpressionNames[shape.expression] << ", vertex " << v;
+            ASSERT_LT(glm::length(moved - shape.offsetsM[v]), 3.5e-4f) << kExpressionNames[shape.expression] << ", vertex " << v;
         }
     }
 }
