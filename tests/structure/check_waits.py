@@ -34,7 +34,6 @@ ALLOWED = {
     "tests/unit/wait_until.h": "waitUntil, with which the tests of C++ look for a state that no event tells of",
     "tests/web/referee.cpp": "--time, for docs/benchmarks/web.md: prints times and judges none",
     "tests/viewer/panels_test.py": "presses until a button shows it; prints how long the clicks took and judges none",
-    "tests/viewer/trial_test.py": "prints how long a new user's steps took and judges none",
     "tests/viewer/viewer_test.py": "takes pictures of a window until one shows what must come",
 }
 

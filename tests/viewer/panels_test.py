@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
 """Drives the panels of doppel-viewer in a virtual display: a script of clicks, exports that end well, are cancelled or fail, a run that is
-begun in the window, the sliders of a face, and states whose pictures are compared with those in tests/viewer/states.
+begun in the window, and eight states whose pictures are compared with those in tests/viewer/states.
 
 --approve writes these pictures anew; look at them before you commit them. Exit 77, with the reason: something is missing."""
 import argparse
@@ -11,7 +11,6 @@ import pathlib
 import resource
 import shutil
 import signal
-import subprocess
 import sys
 import time
 
@@ -23,7 +22,6 @@ LEAST_GOLDEN_DB = 40  # measured 61 to 99 (the same bytes) on the driver that dr
 WIDTH, HEIGHT = 900, 700
 ASK_AGAIN_S = 20  # far longer than a frame takes on a busy machine
 EXPORT_TOP = 160  # of the window that exports, in a window of that size
-FACE_TOP = 338  # of the sliders of a face
 KINDS = ["picture", "cut out", "turntable", "clip", "glb", "spz", "ply", "mesh"]
 
 
@@ -122,45 +120,6 @@ class Panels(Test):
             if process.poll() is None:
                 process.kill()
         print(f"the script of clicks took {time.monotonic() - began:.0f} s")
-
-    def face(self, approve):
-        """The sliders of a face: found by a word, they move it; an avatar without expressions has none."""
-        face = self.work / "face.glb"
-        self.figures("face", face)
-        process, window = self.start(face, "--room", "none", "--size", f"{WIDTH}x{HEIGHT}")
-        try:
-            shot = lambda: self.capture(window, "face.png")
-            self.wait("the avatar is in the window", lambda: self.figures("colour", shot(), 450, 350)[0] > 150)
-            self.press(window, 158, HEIGHT - 34)
-            self.press(window, 220, FACE_TOP)
-            self.press(window, 250, FACE_TOP + 58)
-            self.xdotool("type", "--window", window, "smile")
-            self.xdotool("key", "--window", window, "Return")
-            self.xdotool("mousemove", "--window", window, 450, 650)
-            self.wait("one slider is left", lambda: self.figures("colour", shot(), 60, FACE_TOP + 138)[2] > 60 and self.stands_still(window))
-            self.same("face", self.capture(window, "state_face.png"), approve)
-            before = self.capture(window, "before_smile.png")
-            self.press(window, 250, FACE_TOP + 138)
-            self.wait("it moves the face", lambda: self.board_differs(before, shot()))
-            self.press(window, 60, FACE_TOP + 29)
-            self.wait("a click makes it neutral again", lambda: not self.board_differs(before, shot()))
-            self.xdotool("key", "--window", window, "l")
-            self.wait("the key L opens the log", lambda: self.figures("colour", shot(), 450, 350)[0] < 100)
-            self.xdotool("key", "--window", window, "Escape")
-            self.wait("Escape closes it", lambda: self.figures("colour", shot(), 450, 350)[0] > 150)
-            x11_send.Sender(self.display.name).close(window)
-            expect(process.wait(timeout=PATIENCE_S) == 0, "the window closes, with nothing from the validation layer")
-        finally:
-            if process.poll() is None:
-                process.kill()
-
-    def board_differs(self, before, after):
-        """Whether the avatars of two pictures differ: the middle of the window, without panels."""
-        crops = []
-        for picture in (before, after):
-            crops.append(picture.with_suffix(".crop.png"))
-            subprocess.run(["convert", picture, "-crop", "300x560+310+40", "+repage", crops[-1]], check=True)
-        return self.figures("differ", *crops)[0] > 1
 
     def beside(self):
         """Splats of a file have places of their own, and yet stand beside the avatar: alone, a board reaches neither place."""
@@ -306,7 +265,6 @@ def main():
         test.shot("room_bright.png", "--room", "bright")
         test.finished_run()
         test.states(arguments.approve)
-        test.face(arguments.approve)
         test.clicks()
         test.beside()
         test.cancelling()

@@ -2,7 +2,6 @@
 // Compares pictures of the viewer, and makes its avatar.
 //
 //   viewer_check make OUT.glb                             an avatar with the box that the empty viewer shows
-//   viewer_check face OUT.glb                             the same with all expressions
 //   viewer_check compose AVATAR ROOM.png SHOT.png TIME    PSNR, in dB, of SHOT to the avatar drawn by the CPU over ROOM
 //   viewer_check differ A.png B.png                       mean difference of the channels, in levels
 //   viewer_check psnr A.png B.png                         PSNR of the channels, dB; 99 if they are equal
@@ -23,7 +22,6 @@
 #include "sdk/core/files.h"
 #include "sdk/format/avatar_file.h"
 #include "tests/package/tiny_avatar.h"
-#include "tests/unit/format/sample_expressions.h"
 #include "tests/viewer/room_depth.h"
 
 namespace {
@@ -114,9 +112,8 @@ int compose(const char* avatarPath, const char* roomPath, const char* shotPath, 
     return 0;
 }
 
-/** A board from the stand's near edge to above its far edge. Its clip turns it and lowers it, so that the stand hides its lower edge.
- *  face: expressions bend it. */
-int make(const char* path, bool face) {
+/** A board from the stand's near edge to above its far edge. Its clip turns it and lowers it, so that the stand hides its lower edge. */
+int make(const char* path) {
     AvatarData avatar = test::tinyAvatar();
     const WorldBox box = boxOf({});
     const auto at = [](const Vec3d& p) { return Vec3f(p); };
@@ -125,7 +122,6 @@ int make(const char* path, bool face) {
     for (Vec2f& scaleM : avatar.splats.scaleM) scaleM = Vec2f(0.12f);
     avatar.clips[0].rootTranslations = {{0, 0, 0}, {0, -0.5f, 0}};
     sortSplats(avatar);
-    if (face) avatar = test::withExpressions(avatar, 5, uint32_t(kExpressionCount), 0.05f);
     if (const Status written = writeFileAtomically(path, valueOf(writeAvatar(avatar))); !written) give(written.error().message);
     return 0;
 }
@@ -163,11 +159,11 @@ int colour(const char* path, uint32_t x, uint32_t y) {
 
 int main(int argc, char** argv) {
     const std::string command = argc > 1 ? argv[1] : "";
-    if ((command == "make" || command == "face") && argc == 3) return make(argv[2], command == "face");
+    if (command == "make" && argc == 3) return make(argv[2]);
     if (command == "compose" && argc == 6) return compose(argv[2], argv[3], argv[4], std::atof(argv[5]));
     if (command == "differ" && argc == 4) return differ(argv[2], argv[3]);
     if (command == "psnr" && argc == 4) return psnr(argv[2], argv[3]);
     if (command == "colour" && argc == 5) return colour(argv[2], uint32_t(std::atoi(argv[3])), uint32_t(std::atoi(argv[4])));
-    std::fprintf(stderr, "usage: viewer_check make|face|compose|differ|psnr|colour ...; see the source\n");
+    std::fprintf(stderr, "usage: viewer_check make|compose|differ|psnr|colour ...; see the source\n");
     return 2;
 }
