@@ -8,6 +8,7 @@ import fs from 'node:fs';
 import http from 'node:http';
 import path from 'node:path';
 import { fileURLToPath } from 'node:url';
+import { removeProfile } from './profile.mjs';
 
 const root = path.resolve(path.dirname(fileURLToPath(import.meta.url)), '../..');
 const { WEB_MODULE, WEB_WORK, WEB_CHROMIUM } = process.env;
@@ -68,7 +69,7 @@ export async function visit(page, folders = {}, policy = POLICY, flags = []) {
   await ended;
   server.close();
   server.closeAllConnections?.();
-  fs.rmSync(profile, { recursive: true, force: true, maxRetries: 5 });
+  await removeProfile(profile);
   const console_ = log.split('\n').filter(line => line.includes('CONSOLE')).join('\n');
   assert.equal(result.thrown, undefined, `${result.thrown}\n${console_}`);
   return { result, pictures, moduleRequests };

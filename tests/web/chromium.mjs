@@ -3,6 +3,7 @@
 import { spawn } from 'node:child_process';
 import fs from 'node:fs';
 import path from 'node:path';
+import { removeProfile } from './profile.mjs';
 
 const LIMIT_MS = 600000;
 
@@ -88,7 +89,7 @@ export async function startChromium(program, work) {
     async close() {
       await send('Browser.close').catch(() => {});
       await ended;
-      fs.rmSync(profile, { recursive: true, force: true, maxRetries: 5 });
+      await removeProfile(profile);
     },
   };
 }
