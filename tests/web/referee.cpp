@@ -12,7 +12,6 @@
 // sceneDepthM: an opaque plane in front of the camera; 0: none.
 // web_referee AVATAR --splats: instead of a picture, dplWriteSplats for each shot and its eye: position, covariance, colour and opacity, 13
 // floats a splat.
-// web_referee AVATAR --expression NAME=WEIGHT...: the pictures with that expression, by ARKit's names.
 // clip -1: rest. Each picture goes to its file: 4 bytes a pixel, premultiplied, top row first.
 #include <doppel/doppel_convert.h>
 #include <doppel/doppel_posed.h>
@@ -149,20 +148,6 @@ std::vector<uint8_t> splatsFor(const float* eye, DplAvatar avatar) {
     return bytes;
 }
 
-/** Sets an expression of "jawOpen=1" and so on. */
-bool express(DplAvatar avatar, const std::vector<std::string>& given) {
-    std::vector<std::string> names;
-    std::vector<float> weights;
-    for (const std::string& one : given) {
-        const size_t equals = one.find('=');
-        names.push_back(one.substr(0, equals));
-        weights.push_back(equals == one.npos ? 1.0f : std::strtof(one.c_str() + equals + 1, nullptr));
-    }
-    std::vector<const char*> pointers;
-    for (const std::string& name : names) pointers.push_back(name.c_str());
-    return dplSetExpressionNamed(avatar, pointers.data(), weights.data(), uint32_t(weights.size())) == DPL_OK;
-}
-
 int drawScenes(DplContext context, const char* avatarFile) {
     std::vector<DplAvatar> avatars;
     DplCamera camera{};
@@ -208,11 +193,8 @@ int main(int argc, char** argv) {
     if (budgets.empty()) budgets = {0};
     const bool scenes = argc == 3 && std::string(argv[2]) == "--scenes";
     const bool splats = argc == 3 && std::string(argv[2]) == "--splats";
-    const bool expressed = argc >= 4 && std::string(argv[2]) == "--expression";
-    if (argc != 2 && timed <= 0 && !tracks && !scenes && !splats && !expressed) {
-        std::fprintf(stderr,
-                     "usage: web_referee AVATAR [--time N [BUDGET...] | --track | --scenes | --splats | --expression NAME=WEIGHT...] "
-                     "< SHOTS\n");
+    if (argc != 2 && timed <= 0 && !tracks && !scenes && !splats) {
+        std::fprintf(stderr, "usage: web_referee AVATAR [--time N [BUDGET...] | --track | --scenes | --splats] < SHOTS\n");
         return 2;
     }
     DplContextInfo info{};
@@ -224,15 +206,16 @@ int main(int argc, char** argv) {
     if (scenes) return drawScenes(context, argv[1]);
     DplAvatar avatar = nullptr;
     if (dplLoadAvatarFile(context, argv[1], &avatar) != DPL_OK) return complain(argv[1]);
-    if (expressed && !express(avatar, {argv + 3, argv + argc})) return complain("--expression");
     if (tracks) return track(avatar) ? 0 : complain("tracking");
     int clip = 0;
     double timeS = 0;
     float eye[3], target[3], fovYRad = 0;
     uint32_t width = 0, height = 0;
     std::string expression, file;
-    while (std::cin >> clip >> timeS >> eye[0] >> eye[1] >> eye[2] >> target[0] >> target[1] >> target[2] >> fovYRad >> width >> height >>
-           expression >> file) {
+    for (std::string shot, more; std::getline(std::cin, shot);) {
+        std::istringstream fields(shot);
+        fields >> clip >> timeS >> eye[0] >> eye[1] >> eye[2] >> target[0] >> target[1] >> target[2] >> fovYRad >> width >> height;
+        if (!(fields >> expression >> file) || fields >> more) return complain("a line that is no shot: " + shot);
         if (clip >= 0 && dplSetPoseFromClip(avatar, uint32_t(clip), timeS, DPL_TRUE) != DPL_OK) return complain(file);
         if (!setExpression(avatar, expression)) return complain(expression);
         if (splats) {

@@ -11,9 +11,12 @@ export const SHOTS = [
   { name: 'far', clip: 0, time: 1, eye: [4, 2, 9], target: [0, 0.9, 0], fovY: 0.7, width: 320, height: 240 },
 ];
 
+/** Weights by ARKit's names, as a field of the referee's input. */
+export const expressionOf = (weights = {}) => Object.entries(weights).map(weight => weight.join('=')).join(',') || '-';
+
 /** A line of the referee's input. */
 export const line = (shot, file) => [shot.clip, shot.time, ...shot.eye, ...shot.target, shot.fovY, shot.width, shot.height,
-  Object.entries(shot.expression ?? {}).map(weight => weight.join('=')).join(',') || '-', file].join(' ');
+  expressionOf(shot.expression), file].join(' ');
 
 /** Poses a Doppel as a shot has it. */
 export function poseAs(person, shot) {

@@ -10,13 +10,20 @@ const LONGEST_LOAD_MS = 40000, LONGEST_SORT_MS = 60000;
 
 /** The pictures of one file, or why there are none. */
 async function show(viewer, file) {
-  let shown;
   try {
     const late = new Promise((_, fail) => setTimeout(() => fail(new Error('it did not finish loading')), LONGEST_LOAD_MS));
-    shown = await Promise.race([VIEWERS[viewer](file), late]);
+    const shown = await Promise.race([VIEWERS[viewer](file), late]);
+    await drawAll(viewer, file, shown);
+    shown.end();
+    return {};
   } catch (error) {
     return { cannot: String(error?.message ?? error).slice(0, 200) };
+  } finally {
+    document.querySelector('main').replaceChildren();
   }
+}
+
+async function drawAll(viewer, file, shown) {
   shown.draw(shotsOf(viewer)[0]);
   await pause(1500);  // shaders and textures are made
   for (const shot of shotsOf(viewer)) {
@@ -30,9 +37,6 @@ async function show(viewer, file) {
     if (!shown.express(face)) break;  // the file has none
     await post(`/picture/${file.label}-face-${face.name}.rgba`, pixelsOf(shown.draw(NEAR)));
   }
-  shown.end();
-  document.querySelector('main').replaceChildren();
-  return {};
 }
 
 const viewer = new URLSearchParams(location.search).get('viewer'), found = { viewer, files: {} };

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Cameras from which other viewers draw exported files: eight sides, and the face from 0.7 m; expressions of that face; and poses that they
 // draw live.
+import { expressionOf } from './shots.mjs';
+
 export const WIDTH = 480, HEIGHT = 640;
 
 /** Of the pages: the viewers make code and workers of texts. */
@@ -17,7 +19,7 @@ const SLOW = ['three-splats', 'spark'], FEW = ['side-0', 'side-3', 'near'];
 export const shotsOf = viewer => SHOTS.filter(({ name }) => !SLOW.includes(viewer) || FEW.includes(name));
 
 /** A line of the referee's input: the avatar at rest. */
-export const line = shot => [-1, 0, ...shot.eye, ...shot.target, shot.fovY, WIDTH, HEIGHT, `${shot.name}.rgba`].join(' ');
+export const line = (shot, weights) => [-1, 0, ...shot.eye, ...shot.target, shot.fovY, WIDTH, HEIGHT, expressionOf(weights), `${shot.name}.rgba`].join(' ');
 
 /** Expressions by ARKit's names, and what shows the same in a VRM. */
 const both = (name, weight) => ({ [`${name}Left`]: weight, [`${name}Right`]: weight });
@@ -33,4 +35,4 @@ const POSES = 30, POSES_A_SECOND = 25, A_FILE = 5;
 export const FILES_A_SECOND = POSES_A_SECOND / A_FILE;
 export const posesWith = filesOf => Array.from({ length: POSES }, (_, i) =>
   ({ time: i / POSES_A_SECOND, shot: SHOTS[[0, 3][i % 2]], files: i % A_FILE ? undefined : filesOf(String(i / A_FILE).padStart(5, '0')) }));
-export const poseLine = ({ time, shot }, i) => [0, time, ...shot.eye, ...shot.target, shot.fovY, WIDTH, HEIGHT, `pose-${i}.rgba`].join(' ');
+export const poseLine = ({ time, shot }, i) => [0, time, ...shot.eye, ...shot.target, shot.fovY, WIDTH, HEIGHT, expressionOf(), `pose-${i}.rgba`].join(' ');
