@@ -90,6 +90,7 @@ Status runTrainingBench(const TrainingBenchOptions& options) {
                            .add("pixels", p.pixels)
                            .add("vertices", made.vertices)
                            .add("triangles", made.triangles)
+                           .add("crossed_bytes", made.crossedBytes)
                            .add("loss", made.loss)
                            .line();
     const auto print = [](const std::string& part, double ms, double share, const PartTime& t, double own, double bytes) {
@@ -117,6 +118,7 @@ Status runTrainingBench(const TrainingBenchOptions& options) {
     }
     print("a step", p.stepMs, 1, sum, alone, bytes);
     std::printf("%s", kPartMeanings);
+    if (made.crossedBytes > 0) std::printf("\nBetween host and GPU, a step: %.2f MB\n", made.crossedBytes / 1e6);
     if (!made.passes.empty()) std::printf("\nPasses of the last step on the GPU, ms:\n");
     for (const PassTime& pass : made.passes) {
         std::printf("  %-24s %.3f\n", pass.label.c_str(), pass.milliseconds);

@@ -30,6 +30,10 @@ class PosedMesh {
 public:
     /** The pose must have passed checkPose, the correctives checkCorrectives. */
     void pose(const PosedSubject& subject, const Pose& pose, Jobs& jobs) { control(subject, pose), surface(subject, jobs); }
+    /** pose() for those who make the triangles' frames themselves: frames() are those of an earlier pose. */
+    void poseVertices(const PosedSubject& subject, const Pose& pose, Jobs& jobs) {
+        control(subject, pose), vertices(subject, jobs), addSceneLight(subject, jobs);
+    }
     /** First half of pose(): joints and control nodes. Takes microseconds. */
     void control(const PosedSubject& subject, const Pose& pose);
     /** Second half: vertices and triangles. Callers skip it for an avatar that no view shows; frames() and positions() are then those of

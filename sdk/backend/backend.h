@@ -43,6 +43,7 @@ struct DeviceInfo {
     std::string identity;  // equal only when device, driver version and shader pack are equal
     DeviceKind kind = DeviceKind::Other;
     uint64_t maxBindingBytes = 0;    // of one storage buffer binding
+    uint64_t memoryBytes = 0;        // of its own, or of what it shares with the CPU. 0: not known
     uint32_t maxTargetPx = 0;        // width or height of a target
     uint32_t maxGroups = 0;          // workgroups of one dispatch
     uint32_t maxStorageBuffers = 0;  // that a compute kernel binds; at least 4. 0: not asked for
@@ -139,7 +140,8 @@ struct ReadbackStep {  // copies a target: rows without padding, top row first, 
     BufferId colour;  // 4 bytes a pixel, the last one the transmittance: see opacityFromTransmittance()
     BufferId depth;   // 8 bytes a pixel, 4 when DeviceInfo::halfDepth; no id: depth is not read
 };
-/** Fills a Readback buffer from a part of a Device buffer, or copies a whole Upload buffer into a part of a Device buffer. */
+/** Fills a Readback buffer from a part of a Device buffer, or copies a whole Upload or Device buffer into a part of another Device buffer.
+ */
 struct CopyStep {
     std::string label;
     BufferId from, to;

@@ -98,7 +98,8 @@ struct Checker {
     Status operator()(const CopyStep& step) {
         DPL_RETURN_IF_ERROR(readable(step.label, step.from));
         const BufferDesc *from = resources.buffer(step.from), *to = resources.buffer(step.to);
-        if (to && to->memory == BufferMemory::Device && from->memory == BufferMemory::Upload) {
+        const bool forward = from->memory == BufferMemory::Upload || from->memory == BufferMemory::Device;
+        if (to && to->memory == BufferMemory::Device && forward && step.from != step.to) {
             if (step.offset % 4 || step.offset > to->bytes || from->bytes > to->bytes - step.offset)
                 return fail(Code::InvalidArgument, "step {}: {} bytes of {} do not fit buffer {} at {}", step.label, from->bytes,
                             from->label, to->label, step.offset);

@@ -24,6 +24,20 @@ struct GpuPictureSizes {
 struct UploadedBuffer {
     BufferId host, device;
 };
+
+/** Makes the buffers of one owner; or, without one, only adds up their bytes. */
+class BufferMaker {
+public:
+    explicit BufferMaker(DeviceBuffers* owner) : owner_(owner) {}
+    Status make(BufferId& buffer, const char* label, uint64_t bytes, BufferMemory memory = BufferMemory::Device);
+
+    uint64_t deviceBytes() const { return deviceBytes_; }  // of Device buffers
+    uint64_t largestBytes() const { return largestBytes_; }
+
+private:
+    DeviceBuffers* owner_;
+    uint64_t deviceBytes_ = 0, largestBytes_ = 0;
+};
 /** A Device buffer that the host reads. */
 struct ReadBuffer {
     BufferId device, host;
@@ -34,17 +48,17 @@ struct GpuState {
     explicit GpuState(Backend& backend) : backend_(backend), owned_(backend) {}
     ~GpuState();
     Status make(const GpuStateSizes& sizes);
+    Status makeBuffers(const GpuStateSizes& sizes, BufferMaker& maker);
     /** Records its frames (gpu_steps.cpp), once all that they read is written. */
     Status record(const GpuStateSizes& sizes);
 
-    BufferId splats, sh, constants, starts, incidence, cornersOf, corrections;
+    BufferId splats, sh, constants, rests, nows, starts, incidence, cornersOf, corrections;
     ReadBuffer rows, firstMoments, secondMoments, steps, densitySums, seen;
     BufferId frame;    // mapped
     FrameId activate;  // computes the linear values from the rows
     FrameId readBack;  // copies the ReadBuffers to the host
 
 private:
-    Status add(ReadBuffer& buffer, const char* label, uint64_t bytes);
     Backend& backend_;
     DeviceBuffers owned_;
 };
@@ -56,9 +70,12 @@ struct GpuPicture {
     /** Makes the buffers and records the step with those of `state`, which must live as long. */
     Status make(const GpuStateSizes& state, const GpuState& buffers, const GpuPictureSizes& sizes);
 
+    Status makeBuffers(const GpuStateSizes& state, const GpuPictureSizes& sizes, BufferMaker& maker);
+
     GpuPictureSizes sizes;
     BufferId frame, depthCounts, rates;  // mapped
-    UploadedBuffer triangles, rests, target;
+    UploadedBuffer posed;
+    BufferId target, triangles;
     BufferId screen, records, firstEntries, owners, entrySums, parts, corners;
     BufferId image, cloths, stops, planes, blurred, maps, gradients;
     BufferId depthPairs, depthSwap, entryPairs, entrySwap, offsets, entries;
@@ -67,10 +84,7 @@ struct GpuPicture {
     FrameId step, readGradients;
 
 private:
-    Status makeBuffers(const GpuStateSizes& state);
     Status record(const GpuStateSizes& state, const GpuState& buffers);  // gpu_steps.cpp
-    Status add(UploadedBuffer& buffer, const char* label, uint64_t bytes);
-    Status add(ReadBuffer& buffer, const char* label, uint64_t bytes);
     Backend& backend_;
     DeviceBuffers owned_;
 };

@@ -21,6 +21,7 @@ static_assert(gpu::kTrainBeta1 == kAdamBeta1 && gpu::kTrainBeta2 == kAdamBeta2 &
 
 constexpr uint64_t kMostTiles = 65536;         // two digits of the sort
 constexpr uint64_t kFirstEntriesPerSplat = 4;  // of the lists before a picture has shown how many are needed
+constexpr double kMostOfMemory = 0.9;          // of the device's, that a training takes
 
 template <class T>
 T* mappedAs(Backend& backend, BufferId buffer) {
@@ -63,34 +64,13 @@ gpu::TrainFrame frameOf(const EngineStep& in, uint32_t splats) {
     return f;
 }
 
-gpu::TrainTriangle triangleOf(const TriangleFrame<float>& t) {
-    const Mat3f& r = t.worldFromRest;
-    gpu::TrainTriangle out{};
-    out.v0X = t.v0.x, out.v0Y = t.v0.y, out.v0Z = t.v0.z, out.shown = t.shown;
-    out.v1X = t.v1.x, out.v1Y = t.v1.y, out.v1Z = t.v1.z;
-    out.flags = (t.valid ? gpu::kTrainValid : 0) | (t.bounded ? gpu::kTrainBounded : 0);
-    out.v2X = t.v2.x, out.v2Y = t.v2.y, out.v2Z = t.v2.z, out.light0 = t.light.x;
-    out.f0X = t.f0.x, out.f0Y = t.f0.y, out.f0Z = t.f0.z, out.light1 = t.light.y;
-    out.f1X = t.f1.x, out.f1Y = t.f1.y, out.f1Z = t.f1.z, out.light2 = t.light.z;
-    out.normalX = t.normal.x, out.normalY = t.normal.y, out.normalZ = t.normal.z;
-    out.restX0 = r[0].x, out.restX1 = r[0].y, out.restX2 = r[0].z;
-    out.restY0 = r[1].x, out.restY1 = r[1].y, out.restY2 = r[1].z;
-    out.restZ0 = r[2].x, out.restZ1 = r[2].y, out.restZ2 = r[2].z;
+gpu::TrainRestTriangle restOf(const RestTriangle<float>& r, const Triangle& corner) {
+    gpu::TrainRestTriangle out{};
+    out.i00 = r.inverse.i00, out.i01 = r.inverse.i01, out.i11 = r.inverse.i11, out.valid = r.valid;
+    out.t1X = r.frame[0].x, out.t1Y = r.frame[0].y, out.t1Z = r.frame[0].z, out.corner0 = corner.x;
+    out.t2X = r.frame[1].x, out.t2Y = r.frame[1].y, out.t2Z = r.frame[1].z, out.corner1 = corner.y;
+    out.normalX = r.frame[2].x, out.normalY = r.frame[2].y, out.normalZ = r.frame[2].z, out.corner2 = corner.z;
     return out;
-}
-
-uint32_t bytes4(uint8_t a, uint8_t b, uint8_t c, uint8_t d) {
-    return uint32_t(a) | uint32_t(b) << 8 | uint32_t(c) << 16 | uint32_t(d) << 24;
-}
-
-void packTarget(const PictureTarget& t, uint32_t* words) {
-    const size_t pixels = size_t(t.widthPx) * t.heightPx;
-    const auto at = [](std::span<const uint8_t> plane, size_t i) { return plane.empty() ? uint8_t(0) : plane[i]; };
-    for (size_t i = 0; i < pixels; ++i, words += gpu::kTrainPictureWords) {
-        words[0] = bytes4(t.rgb[i], t.rgb[pixels + i], t.rgb[2 * pixels + i], t.mask[i]);
-        words[1] = bytes4(at(t.cloth, i), at(t.shown, i), at(t.unsure, i), 0);
-        words[2] = t.behind.empty() ? 0 : bytes4(t.behind[i], t.behind[pixels + i], t.behind[2 * pixels + i], 0);
-    }
 }
 
 /** By the number of steps: what undoes the bias of both moments. */
@@ -138,14 +118,17 @@ std::string GpuEngine::name() const {
 Status GpuEngine::upload(const EngineState& in) {
     const TrainableSplats& s = in.splats;
     const size_t n = s.count(), triangles = in.learns.size();
-    if (n == 0 || triangles == 0 || s.triangleStart.size() != triangles + 1 || s.sizeFloorM.size() != triangles ||
-        in.referenceSizeM.size() != triangles || in.incidence.corners.size() != triangles * 3 || in.adam.first.size() != s.rows.size() ||
-        in.adam.steps.size() != n || in.statistics.seen.size() != n)
+    const auto vertices = uint32_t(in.incidence.offset.size() - 1);
+    const auto within = [vertices](const Triangle& t) { return t.x < vertices && t.y < vertices && t.z < vertices; };
+    if (n == 0 || triangles == 0 || in.triangles.size() != triangles || in.bind.size() != triangles ||
+        !std::all_of(in.triangles.begin(), in.triangles.end(), within) || s.triangleStart.size() != triangles + 1 ||
+        s.sizeFloorM.size() != triangles || in.referenceSizeM.size() != triangles || in.incidence.corners.size() != triangles * 3 ||
+        in.adam.first.size() != s.rows.size() || in.adam.steps.size() != n || in.statistics.seen.size() != n)
         return fail(Code::InvalidArgument, "the state of {} splats and {} triangles does not fit together", n, triangles);
     GpuStateSizes sizes;
-    sizes.splats = uint32_t(n), sizes.triangles = uint32_t(triangles), sizes.vertices = uint32_t(in.incidence.offset.size() - 1);
+    sizes.splats = uint32_t(n), sizes.triangles = uint32_t(triangles), sizes.vertices = vertices;
     sizes.shFloats = shCoefficientCount(s.shDegree) * 3, sizes.rowFloats = s.stride;
-    picture_.reset(), state_.reset();  // first, so that the device never holds two
+    dropPicture(), state_.reset();  // first, so that the device never holds two
     auto made = std::make_unique<GpuState>(*backend_);
     DPL_RETURN_IF_ERROR(made->make(sizes));
 
@@ -158,7 +141,10 @@ Status GpuEngine::upload(const EngineState& in) {
     std::vector<gpu::TrainTriangleConstants> constants(triangles);
     for (size_t t = 0; t < triangles; ++t) constants[t] = {s.sizeFloorM[t], in.referenceSizeM[t], uint32_t(in.learns[t] != 0), 0};
     DPL_RETURN_IF_ERROR(writeAll(*backend_, made->splats, splats));
+    std::vector<gpu::TrainRestTriangle> rests(triangles);
+    for (size_t t = 0; t < triangles; ++t) rests[t] = restOf(in.bind[t], in.triangles[t]);
     DPL_RETURN_IF_ERROR(writeAll(*backend_, made->constants, constants));
+    DPL_RETURN_IF_ERROR(writeAll(*backend_, made->rests, rests));
     DPL_RETURN_IF_ERROR(writeAll(*backend_, made->starts, s.triangleStart));
     DPL_RETURN_IF_ERROR(writeAll(*backend_, made->incidence, in.incidence.offset));
     DPL_RETURN_IF_ERROR(writeAll(*backend_, made->cornersOf, in.incidence.corners));
@@ -175,14 +161,52 @@ Status GpuEngine::upload(const EngineState& in) {
     std::memcpy(backend_->mapped(made->frame).data(), &frame, sizeof frame);
     DPL_RETURN_IF_ERROR(backend_->run(made->activate));
     sizes_ = sizes, shDegree_ = s.shDegree, state_ = std::move(made);
+    bind_.assign(in.bind.begin(), in.bind.end());
+    return setRest(bind_);
+}
+
+Status GpuEngine::setRest(std::span<const RestTriangle<float>> now) {
+    if (!state_ || now.size() != sizes_.triangles)
+        return fail(Code::InvalidArgument, "{} triangles at rest for an engine that holds {}", now.size(), sizes_.triangles);
+    std::vector<gpu::TrainRestInverse> inverses(now.size());
+    for (size_t t = 0; t < now.size(); ++t) {
+        const RestInverse<float>& r = now[t].valid ? now[t].inverse : bind_[t].inverse;
+        inverses[t] = {r.i00, r.i01, r.i11};
+    }
+    crossedBytes_ += inverses.size() * sizeof inverses[0];
+    return writeAll(*backend_, state_->nows, inverses);
+}
+
+Status GpuEngine::begin(const EngineRoom& most) {
+    targets_.clear();
+    GpuStateSizes sizes;
+    sizes.splats = most.splats, sizes.triangles = most.triangles, sizes.vertices = most.vertices;
+    sizes.shFloats = shCoefficientCount(most.shDegree) * 3, sizes.rowFloats = TrainableSplats::strideFor(most.shDegree);
+    GpuPictureSizes picture;
+    picture.pixels = most.picturePx, picture.tiles = most.picturePx / gpu::kTrainTilePixels + 1;
+    picture.entries = kFirstEntriesPerSplat * most.splats;
+    BufferMaker counted(nullptr);
+    DPL_RETURN_IF_ERROR(GpuState(*backend_).makeBuffers(sizes, counted));
+    DPL_RETURN_IF_ERROR(GpuPicture(*backend_).makeBuffers(sizes, picture, counted));
+    const DeviceInfo& device = backend_->info();
+    constexpr uint64_t kMegabyte = 1000000;
+    const char* remedy = "fewer splats, a preset with smaller pictures or --engine cpu need less";
+    const auto available = uint64_t(kMostOfMemory * double(device.memoryBytes));
+    if (available > 0 && counted.deviceBytes() > available)
+        return fail(Code::OutOfMemory, "{} splats and pictures of {} pixels take {} MB of graphics memory, and {} has {} MB for them; {}",
+                    most.splats, most.picturePx, counted.deviceBytes() / kMegabyte, device.name, available / kMegabyte, remedy);
+    if (counted.largestBytes() > device.maxBindingBytes)
+        return fail(Code::OutOfMemory, "{} splats and pictures of {} pixels need a buffer of {} MB, and {} binds {} MB at most; {}",
+                    most.splats, most.picturePx, counted.largestBytes() / kMegabyte, device.name, device.maxBindingBytes / kMegabyte,
+                    remedy);
     return {};
 }
 
 Status GpuEngine::checkStep(const EngineStep& in) const {
     if (!state_) return fail(Code::InvalidArgument, "the engine holds no splats yet");
-    const size_t triangles = sizes_.triangles, pixels = size_t(in.target.widthPx) * in.target.heightPx;
-    if (in.frames.size() != triangles || in.rest.bind.size() != triangles || !(in.rest.now.empty() || in.rest.now.size() == triangles))
-        return fail(Code::InvalidArgument, "a picture of {} triangles for an engine that holds {}", in.frames.size(), triangles);
+    const size_t vertices = sizes_.vertices, pixels = size_t(in.target.widthPx) * in.target.heightPx;
+    if (in.positions.size() != vertices || !(in.light.empty() || in.light.size() == vertices))
+        return fail(Code::InvalidArgument, "a picture of {} vertices for an engine that holds {}", in.positions.size(), vertices);
     if (pixels == 0 || in.target.rgb.size() != 3 * pixels || in.target.mask.size() != pixels || in.camera.widthPx != in.target.widthPx ||
         in.camera.heightPx != in.target.heightPx)
         return fail(Code::InvalidArgument, "the target does not fit its {} pixels or its camera", pixels);
@@ -206,14 +230,19 @@ Status GpuEngine::holdPicture(const GpuPictureSizes& needed) {
         wanted.pixels = std::max(wanted.pixels, picture_->sizes.pixels), wanted.tiles = std::max(wanted.tiles, picture_->sizes.tiles);
         wanted.entries = std::max(wanted.entries, picture_->sizes.entries);
     }
-    picture_.reset();
+    dropPicture();
     auto made = std::make_unique<GpuPicture>(*backend_);
     DPL_RETURN_IF_ERROR(made->make(sizes_, *state_, wanted));
     picture_ = std::move(made);
     return {};
 }
 
-void GpuEngine::fill(const EngineStep& in) const {
+void GpuEngine::dropPicture() {
+    targets_.forgetPlace();
+    picture_.reset();
+}
+
+void GpuEngine::fill(const EngineStep& in) {
     Backend& b = *backend_;
     gpu::TrainFrame frame = frameOf(in, sizes_.splats);
     frame.splatCount = sizes_.splats, frame.triangleCount = sizes_.triangles, frame.vertexCount = sizes_.vertices;
@@ -224,15 +253,12 @@ void GpuEngine::fill(const EngineStep& in) const {
     counts.visible = sizes_.splats, counts.runs = (sizes_.splats + gpu::kRun - 1) / gpu::kRun;
     std::memcpy(b.mapped(picture_->depthCounts).data(), &counts, sizeof counts);
     if (in.update) std::memcpy(b.mapped(picture_->rates).data(), in.update->rate.data(), in.update->rate.size() * sizeof(float));
-    auto* triangle = mappedAs<gpu::TrainTriangle>(b, picture_->triangles.host);
-    auto* rest = mappedAs<gpu::TrainRest>(b, picture_->rests.host);
-    for (size_t t = 0; t < in.frames.size(); ++t) {
-        triangle[t] = triangleOf(in.frames[t]);
-        const RestTriangle<float>& bind = in.rest.bind[t];
-        const RestTriangle<float>& now = in.rest.now.empty() || !in.rest.now[t].valid ? bind : in.rest.now[t];
-        rest[t] = {bind.inverse.i00, bind.inverse.i01, bind.inverse.i11, now.inverse.i00, now.inverse.i01, now.inverse.i11};
+    auto* posed = mappedAs<gpu::vec4>(b, picture_->posed.host);
+    for (size_t v = 0; v < in.positions.size(); ++v) {
+        const Vec3f& at = in.positions[v];
+        posed[v] = {at.x, at.y, at.z, in.light.empty() ? 1.0f : in.light[v]};
     }
-    packTarget(in.target, mappedAs<uint32_t>(b, picture_->target.host));
+    crossedBytes_ += in.positions.size() * sizeof(gpu::vec4) + sizeof frame;
 }
 
 LossValues GpuEngine::lossOf(const EngineStep& in) const {
@@ -259,7 +285,10 @@ Result<LossValues> GpuEngine::step(const EngineStep& in) {
     for (;;) {
         DPL_RETURN_IF_ERROR(holdPicture(needed));
         fill(in);
+        DPL_RETURN_IF_ERROR(targets_.show(in.target, in.name, picture_->target));
         DPL_RETURN_IF_ERROR(backend_->run(picture_->step));
+        crossedBytes_ +=
+            targets_.takeBytes() + sizes_.vertices * sizeof(gpu::vec4) + (needed.pixels + 255) / 256 * gpu::kTrainSums * sizeof(float);
         entries_ = mappedAs<const gpu::FrameCounts>(*backend_, picture_->counts.host)->tileEntries;
         if (entries_ <= picture_->sizes.entries) return lossOf(in);
         needed.entries = uint64_t(entries_) + entries_ / 4;  // once more, with lists that are long enough; nothing was updated

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Training on a GPU by Vulkan compute (docs/reference/gpu-training.md). The splats, their rows and moments stay on the device; of a step
-// the posed triangles and the target go there, and the loss and the gradients of the posed vertices come back. The kernels are in
-// shaders/training, their order in gpu_steps.cpp.
+// Training on a GPU by Vulkan compute (docs/reference/gpu-training.md). The splats, their rows and moments and the targets stay on the
+// device; of a step the posed vertices go there, and the loss and their gradients come back. The kernels are in shaders/training, their
+// order in gpu_steps.cpp.
 //
 // The same device gives the same bytes for the same calls: no sum depends on which lane comes first.
 #pragma once
@@ -9,6 +9,7 @@
 #include <memory>
 
 #include "reconstruction/training/gpu/gpu_buffers.h"
+#include "reconstruction/training/gpu/gpu_targets.h"
 #include "reconstruction/training/trainer/training_engine.h"
 #include "sdk/backend/vulkan/vk_open.h"
 
@@ -27,10 +28,13 @@ public:
     ~GpuEngine() override;
 
     std::string name() const override;
+    Status begin(const EngineRoom& most) override;
     Status upload(const EngineState& state) override;
+    Status setRest(std::span<const RestTriangle<float>> now) override;
     Result<LossValues> step(const EngineStep& step) override;
     std::span<const Vec4f> vertexGradients() const override;
     std::vector<PassTime> passTimes() override;
+    uint64_t takeCrossedBytes() override { return std::exchange(crossedBytes_, 0); }
     Status download(TrainableSplats& splats, AdamRows& adam, DensityStatistics& statistics) override;
 
     const DeviceInfo& device() const { return backend_->info(); }
@@ -42,17 +46,21 @@ public:
     Result<GpuGradients> gradients();
 
 private:
-    explicit GpuEngine(std::unique_ptr<Backend> backend) : backend_(std::move(backend)) {}
+    explicit GpuEngine(std::unique_ptr<Backend> backend) : backend_(std::move(backend)), targets_(*backend_) {}
     Status checkStep(const EngineStep& step) const;
     Status holdPicture(const GpuPictureSizes& needed);
-    void fill(const EngineStep& step) const;
+    void dropPicture();
+    void fill(const EngineStep& step);
     LossValues lossOf(const EngineStep& step) const;
 
     std::unique_ptr<Backend> backend_;
+    GpuTargets targets_;
     GpuStateSizes sizes_;
     std::unique_ptr<GpuState> state_;
     std::unique_ptr<GpuPicture> picture_;
+    std::vector<RestTriangle<float>> bind_;
     uint32_t entries_ = 0, shDegree_ = 0;
+    uint64_t crossedBytes_ = 0;
 };
 
 }  // namespace dpl

@@ -56,11 +56,12 @@ Status GpuPicture::record(const GpuStateSizes& size, const GpuState& state) {
     const uint32_t n = size.splats, scanRows = (n + gpu::kTrainScanCells - 1) / gpu::kTrainScanCells, pixels = uint32_t(sizes.pixels),
                    tiles = uint32_t(sizes.tiles);
     FramePlan plan(backend_);
-    for (const UploadedBuffer& b : {triangles, rests, target}) plan.copy("upload", b.host, b.device);
+    plan.copy("upload", posed.host, posed.device);
 
+    plan.compute("frames", "frames").uniform(frame).reads(state.rests, state.nows, posed.device).writes(triangles).threads(size.triangles);
     plan.compute("project", "project")
         .uniform(frame)
-        .reads(state.splats, state.sh, triangles.device)
+        .reads(state.splats, state.sh, triangles)
         .writes(screen, records, depthPairs)
         .threads(n);
     addSort(plan, "sort by depth", digits, {depthCounts, depthPairs, depthSwap, (n + gpu::kRun - 1) / gpu::kRun}, kDepthRounds);
@@ -82,25 +83,21 @@ Status GpuPicture::record(const GpuStateSizes& size, const GpuState& state) {
         .groupsFrom(counts.device, offsetof(gpu::FrameCounts, runGroupsX));
     plan.compute("blend", "blend").uniform(frame).reads(offsets, entries, screen).writes(image, cloths, stops).groups(tiles);
 
-    plan.compute("loss", "loss").uniform(frame).reads(image, cloths, target.device).writes(planes, gradients, sums.device).threads(pixels);
+    plan.compute("loss", "loss").uniform(frame).reads(image, cloths, target).writes(planes, gradients, sums.device).threads(pixels);
     plan.compute("ssim", "ssim.rows").uniform(frame).reads(planes).writes(blurred).threads(3 * pixels);
     plan.compute("ssim", "ssim.map").uniform(frame).reads(blurred).writes(maps, sums.device).threads(pixels);
     plan.compute("ssim", "ssim.back").uniform(frame).reads(maps).writes(blurred).threads(9 * pixels);
-    plan.compute("ssim", "pixel.gradient")
-        .uniform(frame)
-        .reads(planes, blurred, image, cloths, target.device)
-        .updates(gradients)
-        .threads(pixels);
+    plan.compute("ssim", "pixel.gradient").uniform(frame).reads(planes, blurred, image, cloths, target).updates(gradients).threads(pixels);
 
     plan.compute("pixels", "pixels").uniform(frame).reads(offsets, entries, screen, gradients, stops).writes(entrySums).groups(tiles);
     plan.compute("splats", "splats")
         .uniform(frame)
-        .reads(state.splats, state.sh, triangles.device, screen, records, firstEntries, entrySums, state.constants, counts.device)
+        .reads(state.splats, state.sh, triangles, screen, records, firstEntries, entrySums, state.constants, counts.device)
         .writes(rowGradients.device, shown.device, parts)
         .threads(n);
     plan.compute("triangles", "triangles")
         .uniform(frame)
-        .reads(state.starts, shown.device, parts, triangles.device, rests.device)
+        .reads(state.starts, shown.device, parts, triangles, state.rests, state.nows)
         .writes(corners)
         .threads(size.triangles);
     plan.compute("vertices", "vertices")

@@ -79,9 +79,9 @@ Status testEngine(GpuEngine& engine) {
     adam.resize(kSplats, s.splats.stride), statistics.resize(kSplats);
     const std::vector<uint8_t> learns(2, 1);
     const std::vector<float> referenceSizeM(2, 0.1f);
-    DPL_RETURN_IF_ERROR(engine.upload({s.splats, adam, statistics, learns, referenceSizeM, incidence}));
+    DPL_RETURN_IF_ERROR(engine.upload({s.splats, adam, statistics, learns, referenceSizeM, incidence, s.mesh.triangles, bind}));
     DPL_TRY(const LossValues theirs,
-            engine.step({pass.posed().frames(), {bind}, s.level.camera, s.level.kappaPx2, s.level.target(), weights, background}));
+            engine.step({pass.posed().positions(), {}, s.level.camera, s.level.kappaPx2, s.level.target(), {}, weights, background}));
     DPL_TRY(const GpuGradients g, engine.gradients());
     std::vector<float> rows(pass.splatBackward().rowGradients().begin(), pass.splatBackward().rowGradients().end()),
         rowsThere(g.rows.begin(), g.rows.end());

@@ -70,6 +70,10 @@ Status CoOptimiser::State::prepare() {
         return fail(Code::InvalidArgument, "SH degree {} is above {}", settings.init.shDegree, kMaxShDegree);
     if (settings.levelStarts.empty() || settings.geometryEvery == 0)
         return fail(Code::InvalidArgument, "the schedule needs a level and geometryEvery of at least 1");
+    EngineRoom room{.splats = std::max(settings.maxSplats, settings.init.splatCount),
+                    .triangles = uint32_t(m.triangles.size()),
+                    .vertices = uint32_t(vertexCount),
+                    .shDegree = settings.init.shDegree};
     for (uint32_t i = 0; i < input.frames.size(); ++i) {
         const TrainFrame& f = input.frames[i];
         DPL_TRY(const auto picture, checkedPicture(f));
@@ -81,10 +85,13 @@ Status CoOptimiser::State::prepare() {
         AdamVector& adam = learned.frames.back().adamPose;
         adam.first.assign(f.precision ? f.precision->size() : 3 * input.joints.size() + 3, 0.0);
         adam.second = adam.first;
-        if (std::any_of(picture->mask.pixels.begin(), picture->mask.pixels.end(), isPerson)) usedFrames.push_back(i);
+        const uint64_t pixels = cropPx(*picture);
+        if (pixels > 0) usedFrames.push_back(i);
+        room.picturePx = std::max(room.picturePx, pixels);
     }
     if (usedFrames.empty())
         return fail(Code::InvalidArgument, "none of the {} training frames has a person in its mask", input.frames.size());
+    if (engine) DPL_RETURN_IF_ERROR(engine->begin(room));
     onlyMoving = std::all_of(usedFrames.begin(), usedFrames.end(), [&](uint32_t i) { return input.frames[i].kind == FrameKind::Dynamic; });
     bind = restTriangles(m);
     for (const Triangle& t : m.triangles) {
@@ -271,10 +278,14 @@ Result<LossValues> CoOptimiser::State::passOf(uint32_t frame, const LevelFrame& 
         engineLost = error;
         return error;
     };
-    if (!engineCurrent)
-        if (Status taken = engine->upload({layer.splats, layer.adam, layer.statistics, learns, referenceSizeM, incidence}); !taken)
-            return lose(taken.error());
-    engineCurrent = true;
+    if (!engineCurrent) {
+        const EngineState state{layer.splats, layer.adam, layer.statistics, learns, referenceSizeM, incidence, mesh.triangles, bind};
+        if (Status taken = engine->upload(state); !taken) return lose(taken.error());
+        engineCurrent = true, engineRest = restNow.empty();
+    }
+    if (!engineRest)
+        if (Status taken = engine->setRest(restNow); !taken) return lose(taken.error());
+    engineRest = true;
     const SplatUpdate update = splatUpdate(frame, level);
     const auto loss = pass.run(subject, pose, level, weights, background, *engine, settings.learnSplats ? &update : nullptr);
     if (!loss) return lose(loss.error());
@@ -315,7 +326,7 @@ void CoOptimiser::State::updateAll(uint32_t frame, const LevelFrame& level, doub
     pass.clock.lap(StepPart::Adam);
     constexpr StepPart kParts[kAlone] = {StepPart::Offsets, StepPart::Nodes, StepPart::PoseStep};
     for (size_t k = 0; k < kAlone; ++k) pass.clock.move(StepPart::Adam, kParts[k], aloneMs[k]);
-    if (moved) restTriangles(mesh, jobs, restNow);
+    if (moved) restTriangles(mesh, jobs, restNow), engineRest = false;
     pass.clock.lap(StepPart::Offsets);
 }
 
@@ -415,7 +426,7 @@ void CoOptimiser::State::pullGarments() {
 void CoOptimiser::State::applyOffsets() {
     if (!largeSteps) return;
     moveMesh();
-    restTriangles(mesh, jobs, restNow);
+    restTriangles(mesh, jobs, restNow), engineRest = false;
 }
 
 void CoOptimiser::State::moveMesh() {

@@ -42,6 +42,7 @@ struct CoOptimiser::State {
     Learned learned;             // what a checkpoint stores
     bool engineCurrent = false;  // the engine has the splats of `learned`, or those that later steps made of them
     bool engineAhead = false;    // it has later ones
+    bool engineRest = false;     // it has restNow
     std::optional<Error> engineLost;
 
     // Derived from the members above.

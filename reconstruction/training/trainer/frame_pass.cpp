@@ -45,10 +45,10 @@ LossValues FramePass::run(const PassSubject& s, const Pose& pose, const LevelFra
 Result<LossValues> FramePass::run(const PassSubject& s, const Pose& pose, const LevelFrame& level, const LossWeights& weights,
                                   const Vec3f& background, TrainingEngine& engine, const SplatUpdate* update) {
     clock.start();
-    poseSubject(s, pose);
+    posed_.poseVertices({s.joints, s.mesh, s.correctives, s.rest, &s.light, s.normals}, pose, jobs_);
     clock.lap(StepPart::Pose);
-    DPL_TRY(const LossValues loss,
-            engine.step({posed_.frames(), s.rest, level.camera, level.kappaPx2, level.target(), weights, background, update}));
+    DPL_TRY(const LossValues loss, engine.step({posed_.positions(), posed_.light(), level.camera, level.kappaPx2, level.target(),
+                                                level.name, weights, background, update}));
     clock.lap(StepPart::Engine);
     const auto vertices = engine.vertexGradients();
     gPosed_.resize(vertices.size()), gLight_.resize(vertices.size());

@@ -19,7 +19,9 @@ float LevelFrames::scaleOf(uint32_t frame) const {
 
 Result<LevelFrame> LevelFrames::make(uint32_t frame) const {
     DPL_TRY(const auto picture, checkedPicture(frames_[frame]));
-    return makeLevelFrame(frames_[frame], *picture, scaleOf(frame), clothLabels_, index_ == last_);
+    LevelFrame made = makeLevelFrame(frames_[frame], *picture, scaleOf(frame), clothLabels_, index_ == last_);
+    made.name = TargetName{frame, index_};
+    return made;
 }
 
 Status LevelFrames::select(int index, int last, std::span<const uint32_t> used) {

@@ -3,6 +3,7 @@
 // mask, and L1 of the cloth label (docs/reference/losses.md).
 #pragma once
 
+#include <optional>
 #include <span>
 #include <utility>
 
@@ -22,6 +23,13 @@ struct PictureTarget {
     std::span<const uint8_t> unsure;  // coverage of the edge
     std::span<const uint8_t> behind;  // three planes: what lies behind the person there, premultiplied by `unsure`
     float edgeMaskWeight = 1;         // of the mask loss there, relative to elsewhere
+};
+
+/** Says which target it is, so that an engine keeps it. Two targets of one training with the same name are the same. */
+struct TargetName {
+    uint32_t frame = 0;
+    int level = 0;
+    bool operator==(const TargetName&) const = default;
 };
 
 struct LossWeights {

@@ -20,9 +20,10 @@ Result<ProfiledTraining> profileSteps(CoOptimiseInput input, CoOptimiseSettings 
     DPL_TRY(auto trainer, CoOptimiser::create(std::move(input), settings, jobs, engine));
     DPL_RETURN_IF_ERROR(trainer->run(steps.warmUp));
     trainer->startProfile();
+    if (engine) engine->takeCrossedBytes();
     DPL_RETURN_IF_ERROR(trainer->run(steps.steps));
     out.profile = trainer->profile();
-    if (engine) out.passes = engine->passTimes();
+    if (engine) out.passes = engine->passTimes(), out.crossedBytes = double(engine->takeCrossedBytes()) / steps.steps;
     out.loss = trainer->recentLoss();
     out.splats = trainer->splatCount();
     out.shFloats = shCoefficientCount(settings.init.shDegree) * 3, out.rowFloats = TrainableSplats::strideFor(settings.init.shDegree);

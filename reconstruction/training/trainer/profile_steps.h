@@ -16,6 +16,7 @@ struct ProfiledSteps {
 struct ProfiledTraining {
     StepProfile profile;
     std::vector<PassTime> passes;  // of the engine's last step
+    double crossedBytes = 0;       // between host and engine
     double loss = 0;               // at the end: whoever compares two programs sees that both computed the same
     uint32_t splats = 0, rowFloats = 0, shFloats = 0, vertices = 0, triangles = 0, nodes = 0, frames = 0;
 };

@@ -104,6 +104,36 @@ float coarsestScale(const TrainFrame& f) {
     return std::min(1.0f, std::max(0.1f, 160.0f / float(std::min(f.camera.widthPx, f.camera.heightPx))));
 }
 
+namespace {
+
+/** [left, right) × [top, bottom) of a level; empty where nobody is in the mask. */
+struct Crop {
+    uint32_t left = 0, top = 0, right = 0, bottom = 0;
+};
+
+/** The person's box in a level of width × height, with a margin of 10 % of its longer side. */
+Crop cropOf(const ImageGrey8& mask, uint32_t levelWidthPx, uint32_t levelHeightPx) {
+    const uint32_t width = mask.widthPx, height = mask.heightPx;
+    uint32_t x0 = width, x1 = 0, y0 = height, y1 = 0;
+    for (uint32_t y = 0; y < height; ++y)
+        for (uint32_t x = 0; x < width; ++x)
+            if (isPerson(mask.pixels[size_t(y) * width + x]))
+                x0 = std::min(x0, x), x1 = std::max(x1, x + 1), y0 = std::min(y0, y), y1 = std::max(y1, y + 1);
+    if (x1 <= x0) return {};
+    const double margin = 0.1 * std::max(x1 - x0, y1 - y0);
+    const double sx = double(levelWidthPx) / width, sy = double(levelHeightPx) / height;
+    return {uint32_t(std::max(0.0, std::floor((x0 - margin) * sx))), uint32_t(std::max(0.0, std::floor((y0 - margin) * sy))),
+            uint32_t(std::min(double(levelWidthPx), std::ceil((x1 + margin) * sx))),
+            uint32_t(std::min(double(levelHeightPx), std::ceil((y1 + margin) * sy)))};
+}
+
+}  // namespace
+
+uint64_t cropPx(const FramePicture& picture) {
+    const Crop crop = cropOf(picture.mask, picture.mask.widthPx, picture.mask.heightPx);
+    return uint64_t(crop.right - crop.left) * (crop.bottom - crop.top);
+}
+
 LevelFrame makeLevelFrame(const TrainFrame& f, const FramePicture& picture, float scale, std::span<const uint8_t> clothLabels,
                           bool fullResolution) {
     const ImageRgb8& image = picture.image;
@@ -115,20 +145,9 @@ LevelFrame makeLevelFrame(const TrainFrame& f, const FramePicture& picture, floa
     level.scale = float(camera.widthPx) / float(width);
     level.kappaPx2 = kTrainedKappaPx2;
 
-    // The person's box in the level, with a margin of 10 % of its longer side.
-    uint32_t x0 = width, x1 = 0, y0 = height, y1 = 0;
-    for (uint32_t y = 0; y < height; ++y)
-        for (uint32_t x = 0; x < width; ++x)
-            if (isPerson(mask.pixels[size_t(y) * width + x]))
-                x0 = std::min(x0, x), x1 = std::max(x1, x + 1), y0 = std::min(y0, y), y1 = std::max(y1, y + 1);
-    if (x1 <= x0) return level;
+    const auto [left, top, right, bottom] = cropOf(mask, camera.widthPx, camera.heightPx);
+    if (right == 0) return level;
     level.used = true;
-    const double margin = 0.1 * std::max(x1 - x0, y1 - y0);
-    const double sx = double(camera.widthPx) / width, sy = double(camera.heightPx) / height;
-    const uint32_t left = uint32_t(std::max(0.0, std::floor((x0 - margin) * sx))),
-                   top = uint32_t(std::max(0.0, std::floor((y0 - margin) * sy)));
-    const uint32_t right = uint32_t(std::min(double(camera.widthPx), std::ceil((x1 + margin) * sx)));
-    const uint32_t bottom = uint32_t(std::min(double(camera.heightPx), std::ceil((y1 + margin) * sy)));
     level.leftPx = left, level.topPx = top;
     level.widthPx = right - left, level.heightPx = bottom - top;
 

@@ -23,7 +23,8 @@ constexpr float kTrainedKappaPx2 = 1.0f / 12;
 
 /** A frame at one level: area-averaged, cropped to the person's box with a margin of 10 %, 8 bits a channel. */
 struct LevelFrame {
-    bool used = false;  // false when the mask is empty
+    bool used = false;               // false when the mask is empty
+    std::optional<TargetName> name;  // of the frames of LevelFrames
     uint32_t widthPx = 0, heightPx = 0;
     uint32_t leftPx = 0, topPx = 0;  // the crop's corner in the whole image of the level
     float scale = 1;                 // level width / full width
@@ -40,6 +41,9 @@ struct LevelFrame {
 Result<std::shared_ptr<const FramePicture>> checkedPicture(const TrainFrame& frame);
 /** Checks that the precision, if there is one, fits a rig of so many joints. The error names the frame. */
 Status checkPrecision(const TrainFrame& frame, size_t jointCount);
+
+/** Pixels of a frame's crop at full size; 0: nobody is in its mask. */
+uint64_t cropPx(const FramePicture& picture);
 
 /** The person's pixels of the frame's picture at `scale`, as isPerson() of the mask says. clothLabels: label values that count as cloth.
  * The mask's edge (unsure_edge.h) is marked at every resolution for masks that networks found, and for a scan's own if `fullResolution`: a

@@ -29,15 +29,24 @@ struct EngineState {
     std::span<const uint8_t> learns;        // F: whether splats of a triangle learn
     std::span<const float> referenceSizeM;  // F
     const VertexIncidence& incidence;
+    std::span<const Triangle> triangles;        // F; corners below the number of vertices of `incidence`
+    std::span<const RestTriangle<float>> bind;  // F, at rest; splat sizes refer to them
+};
+
+/** What a training needs at most, to refuse it before it begins. */
+struct EngineRoom {
+    uint32_t splats = 0, triangles = 0, vertices = 0, shDegree = 0;
+    uint64_t picturePx = 0;  // of the largest picture
 };
 
 /** One picture. Borrowed for the call. */
 struct EngineStep {
-    std::span<const TriangleFrame<float>> frames;  // F, world
-    TrianglesAtRest rest;
-    const Cameraf& camera;  // of the target
+    std::span<const Vec3f> positions;  // V, posed, world
+    std::span<const float> light;      // V, brightness; empty: 1
+    const Cameraf& camera;             // of the target
     float kappaPx2 = 0;
     PictureTarget target;
+    std::optional<TargetName> name;  // of the target; none: it is not kept
     LossWeights weights;
     Vec3f background{0};
     const SplatUpdate* update = nullptr;  // null: splats stay as they are
@@ -50,14 +59,21 @@ public:
 
     /** What computes, for people: "NVIDIA H200". */
     virtual std::string name() const = 0;
-    /** Takes the state, in place of the one before. OutOfMemory, Device: the device failed. */
+    /** A training begins: targets of the one before are forgotten. OutOfMemory: the device has too little memory for it; the message has
+     *  its name, both numbers and the remedy. */
+    virtual Status begin(const EngineRoom& most) = 0;
+    /** Takes the state, in place of the one before; triangles at rest are those of `bind` again. OutOfMemory, Device: the device failed. */
     virtual Status upload(const EngineState& state) = 0;
+    /** The triangles at rest as training has moved them: stretch is measured from them from the next step on. */
+    virtual Status setRest(std::span<const RestTriangle<float>> now) = 0;
     /** Draws, compares, and updates the splats. The loss is that before the update. InvalidArgument: the step does not fit the state. */
     virtual Result<LossValues> step(const EngineStep& step) = 0;
     /** V: ∂loss/∂(posed vertex), and in w ∂loss/∂(its brightness), of the last step. Valid until the next call. */
     virtual std::span<const Vec4f> vertexGradients() const = 0;
     /** Times of the passes of the last step on the device; empty where it has no clock. */
     virtual std::vector<PassTime> passTimes() = 0;
+    /** Bytes of steps, triangles at rest and targets that went to the device or came back since the last call. */
+    virtual uint64_t takeCrossedBytes() = 0;
     /** The state back; its triangles and flags are those that were uploaded. */
     virtual Status download(TrainableSplats& splats, AdamRows& adam, DensityStatistics& statistics) = 0;
 };

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <atomic>
 #include <cstring>
+#include <span>
 
 #include "sdk/backend/vulkan/vk_loader.h"
 #include "sdk/backend/vulkan/vk_quirks.h"
@@ -134,6 +135,16 @@ bool isRecent(const Functions& vk, VkPhysicalDevice physical) {
     return properties.apiVersion >= VK_API_VERSION_1_1;
 }
 
+/** The largest heap of the device's own memory. */
+uint64_t deviceMemoryBytes(const Functions& vk, VkPhysicalDevice physical) {
+    VkPhysicalDeviceMemoryProperties memory{};
+    vk.vkGetPhysicalDeviceMemoryProperties(physical, &memory);
+    uint64_t largest = 0;
+    for (const VkMemoryHeap& heap : std::span(memory.memoryHeaps, memory.memoryHeapCount))
+        if (heap.flags & VK_MEMORY_HEAP_DEVICE_LOCAL_BIT) largest = std::max<uint64_t>(largest, heap.size);
+    return largest;
+}
+
 /** Describes what the device can do, and the queue family. The device has Vulkan 1.1. */
 void describe(const Functions& vk, VkPhysicalDevice physical, uint32_t queueFamily, Candidate& out) {
     VkPhysicalDeviceProperties properties{};
@@ -164,6 +175,7 @@ void describe(const Functions& vk, VkPhysicalDevice physical, uint32_t queueFami
     out.info.name = properties.deviceName;
     out.info.kind = kindOf(properties.deviceType);
     out.info.maxBindingBytes = properties.limits.maxStorageBufferRange;
+    out.info.memoryBytes = deviceMemoryBytes(vk, physical);
     out.info.maxTargetPx =
         std::min({properties.limits.maxImageDimension2D, properties.limits.maxFramebufferWidth, properties.limits.maxFramebufferHeight});
     out.info.maxGroups = properties.limits.maxComputeWorkGroupCount[0];

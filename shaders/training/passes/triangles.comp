@@ -11,8 +11,9 @@ layout(std430, binding = 1) readonly buffer StartBlock { uint starts[]; };  // f
 layout(std430, binding = 2) readonly buffer ShownBlock { float shown[]; };
 layout(std430, binding = 3) readonly buffer PartBlock { vec4 parts[]; };
 layout(std430, binding = 4) readonly buffer TriangleBlock { TrainTriangle triangles[]; };
-layout(std430, binding = 5) readonly buffer RestBlock { TrainRest rests[]; };
-layout(std430, binding = 6) writeonly buffer CornerBlock { vec4 corners[]; };  // three a triangle: gradients on place and brightness
+layout(std430, binding = 5) readonly buffer RestBlock { TrainRestTriangle rests[]; };
+layout(std430, binding = 6) readonly buffer NowBlock { TrainRestInverse nows[]; };
+layout(std430, binding = 7) writeonly buffer CornerBlock { vec4 corners[]; };  // three a triangle: gradients on place and brightness
 
 void main() {
     uint i = gl_GlobalInvocationID.x;
@@ -27,12 +28,13 @@ void main() {
     }
     vec3 c0 = sum[3].xyz, c1 = sum[4].xyz, c2 = sum[5].xyz;
     if (any) {
-        TrainRest r = rests[i];
+        TrainRestTriangle bind = rests[i];
+        TrainRestInverse now = nows[i];
         PlaneGradient g;
         g.f0 = sum[0].xyz;
         g.f1 = sum[1].xyz;
-        EdgeGradient edges = triangleBackward(triangleFrameOf(triangles[i]), RestEdges(r.bind00, r.bind01, r.bind11),
-                                              RestEdges(r.now00, r.now01, r.now11), g, sum[2].xyz, sum[0].w);
+        EdgeGradient edges = triangleBackward(triangleFrameOf(triangles[i]), RestEdges(bind.i00, bind.i01, bind.i11),
+                                              RestEdges(now.i00, now.i01, now.i11), g, sum[2].xyz, sum[0].w);
         c0 -= edges.d1 + edges.d2;
         c1 += edges.d1;
         c2 += edges.d2;

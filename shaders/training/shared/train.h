@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // What the kernels of a training step and reconstruction/training/gpu share. Buffers, in the order of a step:
 //
+//   TrainRestTriangle, TrainRestInverse, posed vertices ─frames► TrainTriangle
 //   TrainSplat, sh, TrainTriangle ─project► TrainScreen, ForwardRecord, pairs (depth, splat)
 //     ─sort► splats, nearest first ─count, scan, entries► pairs (tile, place of the entry by splat) ─sort, ranges► entries by tile
 //     ─blend► pixels ─loss, ssim► gradient of each pixel ─pixels► TrainEntrySums by splat ─splats► gradient rows, TrainTriangleGradient
@@ -99,12 +100,22 @@ struct TrainTriangle {  // TriangleFrame<float>
 };
 DPL_SHARED_SIZE(TrainTriangle, 144)
 
-struct TrainRest {  // D⁻¹ = [i00 i01; 0 i11] of a triangle: of the one that splat sizes refer to, and of the one that stretch is measured
-                    // from
-    float bind00, bind01, bind11;
-    float now00, now01, now11;
+struct TrainRestTriangle {  // RestTriangle<float> that splat sizes refer to, and the vertices at its corners
+    float i00, i01, i11;    // D⁻¹ = [i00 i01; 0 i11]
+    uint valid;
+    float t1X, t1Y, t1Z;
+    uint corner0;
+    float t2X, t2Y, t2Z;
+    uint corner1;
+    float normalX, normalY, normalZ;
+    uint corner2;
 };
-DPL_SHARED_SIZE(TrainRest, 24)
+DPL_SHARED_SIZE(TrainRestTriangle, 64)
+
+struct TrainRestInverse {  // of the triangle that stretch is measured from
+    float i00, i01, i11;
+};
+DPL_SHARED_SIZE(TrainRestInverse, 12)
 
 struct TrainTriangleConstants {
     float floorM;      // in-plane size floor

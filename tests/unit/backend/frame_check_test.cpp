@@ -199,7 +199,7 @@ TEST(FrameCheck, aDrawAViewMustReachThemAllBeforeTheyAreRead) {
     EXPECT_TRUE(read({0, 1}));
 }
 
-TEST(FrameCheck, anUploadBufferIsCopiedWholeIntoADeviceBufferThatHoldsIt) {
+TEST(FrameCheck, anotherBufferIsCopiedWholeIntoADeviceBufferThatHoldsIt) {
     OneStep s;
     const BufferId upload = *s.backend->createBuffer({"upload", 32, BufferMemory::Upload}),
                    back = *s.backend->createBuffer({"back", 32, BufferMemory::Readback});
@@ -214,7 +214,8 @@ TEST(FrameCheck, anUploadBufferIsCopiedWholeIntoADeviceBufferThatHoldsIt) {
     EXPECT_FALSE(copied({"copy", upload, s.sums, ~0ull - 3}));
     EXPECT_FALSE(copied({"copy", upload, BufferId{99}}));
     EXPECT_FALSE(copied({"copy", back, s.sums})) << "not from read-back memory";
-    EXPECT_FALSE(copied({"copy", s.counts, s.sums})) << "not between Device buffers";
+    EXPECT_FALSE(copied({"copy", s.sums, s.sums})) << "not into itself";
+    EXPECT_TRUE(s.backend->createFrame({FillStep{"fill", s.counts, 0}, CopyStep{"copy", s.counts, s.sums}, s.step})) << "between them";
 }
 
 TEST(FrameCheck, aReadbackBufferIsFilledFromAnyPartOfADeviceBufferThatHasAsMuch) {

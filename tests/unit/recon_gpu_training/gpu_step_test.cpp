@@ -81,10 +81,11 @@ Result<Gradients> onGpu(GpuEngine& engine, const Picture& p) {
     adam.resize(p.splats.count(), p.splats.stride), statistics.resize(p.splats.count());
     const std::vector<uint8_t> learns(triangles, 1);
     const std::vector<float> referenceSizeM(triangles, 0.01f);
-    DPL_RETURN_IF_ERROR(engine.upload({p.splats, adam, statistics, learns, referenceSizeM, incidence}));
+    DPL_RETURN_IF_ERROR(engine.upload({p.splats, adam, statistics, learns, referenceSizeM, incidence, p.mesh.triangles, bind}));
+    DPL_RETURN_IF_ERROR(engine.setRest(now));
     Gradients out;
-    DPL_TRY(out.loss,
-            engine.step({posed.frames(), {bind, now}, p.level.camera, p.level.kappaPx2, p.level.target(), p.weights, p.background}));
+    DPL_TRY(out.loss, engine.step({posed.positions(), posed.light(), p.level.camera, p.level.kappaPx2, p.level.target(), p.level.name,
+                                   p.weights, p.background}));
     out.entries = engine.entries();
     for (const Vec4f& v : engine.vertexGradients()) out.vertices.insert(out.vertices.end(), {v.x, v.y, v.z, v.w});
     DPL_TRY(const GpuGradients g, engine.gradients());
@@ -263,6 +264,27 @@ TEST(GpuStep, givesTheSameBytesAgainAndAfterAnotherPicture) {
     EXPECT_EQ(first->rows, second->rows);
     EXPECT_EQ(first->vertices, second->vertices);
     EXPECT_EQ(first->loss.total, second->loss.total);
+}
+
+TEST(GpuStep, aTargetThatItKeptGivesTheSameBytes) {
+    GpuEngine* engine = testEngine();
+    if (!engine) GTEST_SKIP() << "no Vulkan device";
+    Picture p = toyPicture(1, 72, 31), other = toyPicture(1, 90, 37);
+    const auto unnamed = onGpu(*engine, p);
+    ASSERT_TRUE(unnamed) << unnamed.error().message;
+    p.level.name = TargetName{5, 2}, other.level.name = TargetName{4, 2};
+    ASSERT_TRUE(onGpu(*engine, p));
+    ASSERT_TRUE(onGpu(*engine, other));
+    const auto target = p.level.rgb;
+    std::fill(p.level.rgb.begin(), p.level.rgb.end(), uint8_t(0));  // not looked at again
+    const auto kept = onGpu(*engine, p);
+    ASSERT_TRUE(kept) << kept.error().message;
+    EXPECT_EQ(kept->rows, unnamed->rows);
+    EXPECT_EQ(kept->loss.total, unnamed->loss.total);
+    p.level.rgb = target, p.level.name->level = 3;  // of another level: taken anew
+    const auto again = onGpu(*engine, p);
+    ASSERT_TRUE(again) << again.error().message;
+    EXPECT_EQ(again->rows, unnamed->rows);
 }
 
 TEST(GpuStep, refusesWhatDoesNotFit) {

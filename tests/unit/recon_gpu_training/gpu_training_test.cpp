@@ -51,6 +51,11 @@ TEST(GpuTraining, repeatsItsOwnBytesAlsoAfterACheckpoint) {
     GpuEngine* engine = testEngine();
     if (!engine) GTEST_SKIP() << "no Vulkan device";
     const auto first = train(20, engine);
+    {
+        Jobs jobs(2);  // between them, a training with other pictures under the same names
+        auto other = CoOptimiser::create(toyScene(jobs, 4, 0.01f, 0.05f, 48), settingsOf(20), jobs, engine);
+        ASSERT_TRUE(other && (*other)->run(8));
+    }
     ASSERT_TRUE(first) << first.error().message;
     const auto path = std::filesystem::temp_directory_path() / "doppel_gpu_checkpoint";
     Jobs jobs(2);
@@ -77,11 +82,49 @@ TEST(GpuTraining, repeatsItsOwnBytesAlsoAfterACheckpoint) {
     std::filesystem::remove(path);
 }
 
+TEST(GpuTraining, sendsEachTargetOnceALevel) {
+    GpuEngine* engine = testEngine();
+    if (!engine) GTEST_SKIP() << "no Vulkan device";
+    Jobs jobs(2);
+    CoOptimiseInput scene = toyScene(jobs, 4, 0, 0, 240);
+    const auto vertices = scene.mesh.restPositions.size(), triangles = scene.mesh.triangles.size(), frames = scene.frames.size();
+    uint64_t targets = 0;
+    for (const TrainFrame& frame : scene.frames) targets += 12 * cropPx(**frame.picture.get());
+    CoOptimiseSettings settings = settingsOf(400);
+    settings.fullResolutionOnly = true;
+    auto trainer = CoOptimiser::create(std::move(scene), settings, jobs, engine);
+    ASSERT_TRUE(trainer) << trainer.error().message;
+    engine->takeCrossedBytes();
+    ASSERT_TRUE((*trainer)->run(uint32_t(frames)));  // fewer than density control waits for
+    const uint64_t first = engine->takeCrossedBytes();
+    ASSERT_TRUE((*trainer)->run(uint32_t(frames)));
+    const uint64_t second = engine->takeCrossedBytes(), vertexBytes = frames * vertices * 32, rests = frames * triangles * 12;
+    EXPECT_GT(targets, rests + frames * 4096) << "or the test sees nothing";
+    EXPECT_GE(first + rests, second + targets);
+    EXPECT_GE(second, vertexBytes);
+    EXPECT_LE(second, vertexBytes + rests + frames * 8192) << "beside them a uniform and the sums of the loss";
+}
+
+TEST(GpuTraining, refusesBeforehandWhatDoesNotFitIntoMemory) {
+    GpuEngine* engine = testEngine();
+    if (!engine) GTEST_SKIP() << "no Vulkan device";
+    EngineRoom room{.splats = 300000, .triangles = 60000, .vertices = 30000, .shDegree = 1, .picturePx = 1080 * 1440};
+    EXPECT_TRUE(engine->begin(room)) << "a gigabyte or two";
+    room.splats = 4000000000u;
+    const Status wrong = engine->begin(room);
+    ASSERT_FALSE(wrong);
+    EXPECT_EQ(wrong.error().code, Code::OutOfMemory);
+    EXPECT_NE(wrong.error().message.find("--engine cpu"), std::string::npos) << wrong.error().message;
+    EXPECT_NE(wrong.error().message.find(engine->name()), std::string::npos) << wrong.error().message;
+}
+
 /** An engine whose device dies at a step. */
 class DyingEngine final : public TrainingEngine {
 public:
     explicit DyingEngine(uint32_t after) : left_(after) {}
     std::string name() const override { return "a device that dies"; }
+    Status begin(const EngineRoom&) override { return {}; }
+    Status setRest(std::span<const RestTriangle<float>>) override { return {}; }
     Status upload(const EngineState& state) override {
         vertices_.assign(state.incidence.offset.size() - 1, Vec4f(0));
         return {};
@@ -94,6 +137,7 @@ public:
     }
     std::span<const Vec4f> vertexGradients() const override { return vertices_; }
     std::vector<PassTime> passTimes() override { return {}; }
+    uint64_t takeCrossedBytes() override { return 0; }
     Status download(TrainableSplats&, AdamRows&, DensityStatistics&) override { return {}; }
 
 private:
