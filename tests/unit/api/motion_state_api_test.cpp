@@ -82,6 +82,53 @@ TEST_F(MotionApiTest, aPoseThatIsHeldBackKeepsItsTime) {
     EXPECT_TRUE(drawnAt(0, 5 * kSecond) == want);
 }
 
+TEST_F(MotionApiTest, allViewsOfAPictureShowOneState) {
+    const DplCamera cameras[2] = {frontCamera(), frontCamera()};
+    const auto drawnTwice = [&](float sine, int64_t timeNs) {
+        EXPECT_EQ(dplSetPoseAtTime(person_, pose(sine).data(), 2, nullptr, timeNs), DPL_OK) << dplGetLastError();
+        std::vector<uint8_t> left, right;
+        const DplImage images[2] = {imageFor(cameras[0], left), imageFor(cameras[1], right)};
+        EXPECT_EQ(dplRender(context_, person_, cameras, 2, images), DPL_OK) << dplGetLastError();
+        EXPECT_TRUE(left == right) << "at " << timeNs << " ns";
+        return left;
+    };
+    std::vector<std::vector<uint8_t>> alone, pairs;
+    for (const float sine : {0.0f, 0.6f, 0.1f, 0.0f}) alone.push_back(drawnAt(sine, int64_t(alone.size()) * kSecond / 5));
+    const std::vector<uint8_t> want = state();
+    ASSERT_EQ(dplSettle(person_), DPL_OK) << dplGetLastError();
+    for (const float sine : {0.0f, 0.6f, 0.1f, 0.0f}) pairs.push_back(drawnTwice(sine, int64_t(pairs.size()) * kSecond / 5));
+    EXPECT_TRUE(pairs == alone) << "a second view takes no second step";
+    EXPECT_TRUE(state() == want);
+    EXPECT_TRUE(alone.back() != alone.front()) << "there is something to remember";
+}
+
+/** Four rates that all draw at each sixth of a second, scored like evidence: against one picture that none of them draws. */
+TEST_F(MotionApiTest, picturesOfEveryRateScoreAlikeToATenthOfADecibel) {
+    const auto sineAt = [](double timeS) { return float(0.35 * std::sin(5 * timeS) * std::sin(1.3 * timeS)); };
+    const std::vector<uint8_t> truth = drawnPlain(0.2f);
+    const auto scoreDb = [&](const std::vector<uint8_t>& picture) {
+        double squares = 0;
+        for (size_t i = 0; i < picture.size(); ++i) squares += std::pow(double(picture[i]) - double(truth[i]), 2);
+        return 10 * std::log10(255 * 255 * double(picture.size()) / squares);
+    };
+    std::vector<std::vector<double>> scores;
+    for (const int rate : {30, 72, 90, 120}) {
+        ASSERT_EQ(dplSettle(person_), DPL_OK) << dplGetLastError();
+        scores.emplace_back();
+        for (int k = 0; k <= 2 * rate; ++k) {
+            const std::vector<uint8_t> picture = drawnAt(sineAt(double(k) / rate), int64_t(k) * kSecond / rate);
+            if (k > 0 && 6 * k % rate == 0) scores.back().push_back(scoreDb(picture));
+        }
+    }
+    ASSERT_EQ(scores[0].size(), 12u);
+    double forgotten = 0;
+    for (size_t i = 0; i < scores[0].size(); ++i) {
+        for (const std::vector<double>& rate : scores) EXPECT_NEAR(rate[i], scores[0][i], 0.1) << "picture " << i;
+        forgotten = std::max(forgotten, std::abs(scoreDb(drawnPlain(sineAt(double(i + 1) / 6))) - scores[0][i]));
+    }
+    EXPECT_GT(forgotten, 0.5) << "memory must show, or nothing is compared";
+}
+
 TEST_F(MotionApiTest, settledClothesAreThoseOfThePoseAlone) {
     const std::vector<uint8_t> rest = drawnPlain(0);
     drawnAt(0.6f, 0);

@@ -5,6 +5,7 @@
 
 #include "sdk/include/doppel/doppel.hpp"
 #include "tests/unit/api/api_fixture.h"
+#include "tests/unit/format/sample_correctives.h"
 #include "tests/unit/motion/track_streams.h"
 
 namespace dpl {
@@ -144,6 +145,74 @@ TEST_F(ApiTrack, aTrackerPosesItsAvatarOverTheRestPoseOrTheCurrentOne) {
         EXPECT_LT(shown[4 * elbow + 3], 0.99f) << "a tracked elbow is bent";
         EXPECT_EQ(dplDestroyTracker(tracker), DPL_OK);
     }
+}
+
+/** A headset: the hands are tracked, the legs play a clip. Clothes remember by the tracker's stamps, whatever time the clip has. */
+TEST_F(ApiTrack, clothesRememberByTheTrackersStampsAndNotByTheClipBeneath) {
+    AvatarData data = test::tinyAvatar();
+    data.joints = test::personRig(0.8f);
+    ClipData step;
+    step.name = "step", step.timesS = {0, 1};
+    step.channels = {{uint32_t(test::jointOf(data.joints, "leftUpperLeg")), {Quatf(1, 0, 0, 0), glm::angleAxis(1.2f, Vec3f(1, 0, 0))}}};
+    data.clips = {step};
+    sortSplats(data);
+    data = test::withCorrectives(std::move(data), 3, {.offsetM = 0.2f, .reach = 0.01f, .motion = 4});
+    MotionModeData& motion = data.correctives.motion;
+    motion.movedFromRad = 0.01f, motion.movedToRad = 0.02f, motion.holdsS = {0, 2};
+    motion.still.assign(motion.joints.size(), Vec4f(0, 0, 0, 1)), motion.rangeRad.assign(motion.joints.size(), Vec2f(0.01f, 2));
+    const auto bytes = writeAvatar(data);
+    ASSERT_TRUE(bytes) << bytes.error().message;
+    DplAvatar dressed = nullptr;
+    ASSERT_EQ(dplLoadAvatar(context_, bytes->data(), bytes->size(), &dressed), DPL_OK) << dplGetLastError();
+    info_.format = DPL_TRACK_OPENXR_HANDS, info_.flags = DPL_TRACKER_OVER_POSE | DPL_TRACKER_RAW;
+    const DplCamera camera = test::frontCamera();
+    std::vector<uint8_t> pixels;
+    const DplImage image = imageFor(camera, pixels);
+    const uint32_t joints = uint32_t(data.joints.size());
+    std::vector<std::vector<float>> poses;
+    const auto drawn = [&] {
+        EXPECT_EQ(dplRender(context_, dressed, &camera, 1, &image), DPL_OK) << dplGetLastError();
+        return pixels;
+    };
+    const auto tracked = [&](int64_t spacingNs) {
+        poses.clear();
+        DplTracker tracker = nullptr;
+        EXPECT_EQ(dplCreateTracker(dressed, &info_, &tracker), DPL_OK) << dplGetLastError();
+        EXPECT_EQ(dplSettle(dressed), DPL_OK);
+        test::Stream stream(TrackFormat::OpenxrHands, data.joints, 1);
+        for (int k = 0; k < 6; ++k) {
+            const int64_t timeNs = 100 * kSecond + k * spacingNs;
+            stream.show(test::swing(data.joints, 0.1 * k));
+            const DplTrackFrame frame = frameOf(stream, timeNs);
+            EXPECT_EQ(dplTrackFrame(tracker, &frame), DPL_OK) << dplGetLastError();
+            EXPECT_EQ(dplSetPoseFromClip(dressed, 0, k < 4 ? 0.3 * k : 0, DPL_FALSE), DPL_OK) << dplGetLastError();
+            EXPECT_EQ(dplSetPoseFromTracker(tracker, timeNs, nullptr), DPL_OK) << dplGetLastError();
+            poses.emplace_back(4 * joints + 3);
+            EXPECT_EQ(dplGetPose(dressed, poses.back().data(), joints, poses.back().data() + 4 * joints), DPL_OK);
+            drawn();
+        }
+        EXPECT_EQ(dplDestroyTracker(tracker), DPL_OK);
+        return pixels;
+    };
+    const auto farthest = [](const std::vector<uint8_t>& a, const std::vector<uint8_t>& b) {
+        int most = 0;
+        for (size_t i = 0; i < a.size(); ++i) most = std::max(most, std::abs(int(a[i]) - int(b[i])));
+        return most;
+    };
+    for (const int64_t spacingNs : {kSecond / 10, kSecond / 2}) {
+        const std::vector<uint8_t> shown = tracked(spacingNs);
+        ASSERT_EQ(dplSettle(dressed), DPL_OK);
+        for (size_t k = 0; k < poses.size(); ++k) {
+            const float* root = poses[k].data() + 4 * joints;
+            ASSERT_EQ(dplSetPoseAtTime(dressed, poses[k].data(), joints, root, 100 * kSecond + int64_t(k) * spacingNs), DPL_OK);
+            drawn();
+        }
+        EXPECT_LE(farthest(shown, pixels), 1) << "as the same poses with the same stamps; normalising again may round";
+        ASSERT_EQ(dplSetPose(dressed, poses.back().data(), joints, poses.back().data() + 4 * joints), DPL_OK);
+        EXPECT_GT(farthest(shown, drawn()), 5) << "there is something to remember";
+    }
+    EXPECT_GT(farthest(tracked(kSecond / 10), tracked(kSecond / 2)), 5) << "other stamps, other clothes";
+    EXPECT_EQ(dplDestroyAvatar(dressed), DPL_OK);
 }
 
 TEST_F(ApiTrack, theAvatarMayGoFirst) {

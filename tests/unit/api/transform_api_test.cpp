@@ -156,6 +156,36 @@ TEST_F(TransformTest, trustAndWhatClothesRememberDoNotKnowOfIt) {
     EXPECT_EQ(dplDestroyAvatar(dressed), DPL_OK);
 }
 
+/** The light of the scene stands in avatar space: moving the avatar takes it along, turning the root turns the person in it. */
+TEST_F(TransformTest, theLightOfTheSceneGoesAlong) {
+    AvatarData data = tinyAvatar();
+    data.light.irradiance = {0.1f, 0.4f, 0.9f};  // from the front, and more from -X
+    sortSplats(data);
+    const auto bytes = *writeAvatar(data);
+    DplAvatar lit = nullptr;
+    ASSERT_EQ(dplLoadAvatar(context_, bytes.data(), bytes.size(), &lit), DPL_OK) << dplGetLastError();
+    const auto turnRoot = [&](float rad) {
+        const float rotations[8] = {0, std::sin(rad / 2), 0, std::cos(rad / 2), 0, 0, 0, 1};
+        EXPECT_EQ(dplSetPose(lit, rotations, 2, nullptr), DPL_OK) << dplGetLastError();
+    };
+    DplCamera camera = frontCamera();
+    const float fromTheSide[12] = {0, 0, -1, 3, 0, -1, 0, 1, -1, 0, 0, 5};
+    std::copy_n(fromTheSide, 12, camera.viewFromWorld);
+    const size_t middle = 4 * (32 * 64 + 32);
+    turnRoot(0.5f);
+    const std::vector<uint8_t> own = picture(lit, cameraMovedTheOtherWay(camera, kTurned, 2));
+    ASSERT_EQ(dplSetTransform(lit, kTurned.data()), DPL_OK);
+    EXPECT_EQ(picture(lit, camera), own);
+    constexpr Rows kNotTurned = {2, 0, 0, 0.5f, 0, 2, 0, -1, 0, 0, 2, 3};
+    ASSERT_EQ(dplSetTransform(lit, kNotTurned.data()), DPL_OK);
+    turnRoot(0.5f + 1.5707963f);
+    const std::vector<uint8_t> inTheLight = picture(lit, camera);  // the same sight of the square
+    EXPECT_NEAR(inTheLight[middle + 3], own[middle + 3], 1);
+    EXPECT_GT(own[middle], 0);
+    EXPECT_GT(std::abs(int(inTheLight[middle]) - int(own[middle])), 40) << "but other light";
+    EXPECT_EQ(dplDestroyAvatar(lit), DPL_OK);
+}
+
 TEST_F(TransformTest, jointsAndNearestDistancesAreOfTheWorld) {
     float positions[6];
     ASSERT_EQ(dplSetTransform(avatar_, kTurned.data()), DPL_OK);

@@ -76,8 +76,8 @@ TEST_F(Moves, theMoveThatIsNotFilmedIsNamed) {
     const std::map<std::string, std::string> words = {
         {"raise", "raise both arms to the side and up"}, {"elbows", "bend both elbows"},
         {"knees", "lift one knee and then the other"},   {"twist", "twist to both sides"},
-        {"head", "turn the head to both sides"},         {"steps", "walk on the spot with long steps"},
-        {"turns", "turn on the spot to both sides"}};
+        {"head", "turn the head to both sides"},         {"steps", "walk on the spot with long steps and swinging arms"},
+        {"turns", "turn quickly on the spot to both sides"}};
     for (const auto& [move, sentence] : words) {
         const std::vector<std::string_view> missing = missingMoves(joints_, film(move));
         ASSERT_EQ(missing.size(), 1u) << move;
@@ -111,7 +111,7 @@ TEST_F(Moves, headingsCountWhereverUpIs) {
     const size_t hips = findBone(bonesOf(joints_), "hips").value();
     const Quatf world(glm::radians(Vec3f(70, 20, 40)));
     for (Pose& pose : poses) pose.localRotations[hips] = world * pose.localRotations[hips];
-    EXPECT_EQ(missingMoves(joints_, poses), std::vector<std::string_view>{"turn on the spot to both sides"});
+    EXPECT_EQ(missingMoves(joints_, poses), std::vector<std::string_view>{"turn quickly on the spot to both sides"});
     for (const float yaw : {170.0f, 235.0f}) {
         poses.push_back(turned({}));
         poses.back().localRotations[hips] = world * Quatf(glm::radians(Vec3f(0, yaw, 0)));
@@ -123,7 +123,7 @@ TEST_F(Moves, withoutMovingFramesAllMovesAreAskedFor) {
     EXPECT_EQ(missingMoves(joints_, {}).size(), 8u);
     const std::string sentence = movesToFilm(joints_, {})->sentence;
     EXPECT_TRUE(sentence.starts_with("Film the moves while you walk round: raise both arms")) << sentence;
-    EXPECT_NE(sentence.find(" and turn on the spot to both sides. Without"), std::string::npos) << sentence;
+    EXPECT_NE(sentence.find(" and turn quickly on the spot to both sides. Without"), std::string::npos) << sentence;
 }
 
 TEST_F(Moves, bonesWithoutNamesAskForNothing) {

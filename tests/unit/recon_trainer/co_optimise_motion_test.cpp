@@ -83,6 +83,36 @@ TEST(CoOptimiseMotion, motionModesOfAFilmThatStandsStillLearnNothing) {
     for (const size_t n : {0u, 1u}) EXPECT_EQ(r.correctives.nodes[2 * n + 1], Vec4f(0));
 }
 
+/** Moving pictures that look past the garment, as those of shoes below the edge: nothing tells how it moves, so it stays as it lies. */
+TEST(CoOptimiseMotion, clothesThatStillFramesAloneShowKeepTheirShapeInMotion) {
+    Jobs jobs(2);
+    CoOptimiseInput input = withClothes(toyScene(jobs, 12));
+    input.correctives = movingCorrectives(input.mesh);
+    const Mat3d turnedAway(-1, 0, 0, 0, 1, 0, 0, 0, -1);
+    size_t moving = 0;
+    for (TrainFrame& frame : input.frames) {
+        if (frame.kind != FrameKind::Dynamic) continue;
+        ++moving;
+        frame.pose.localRotations[1] = glm::angleAxis(0.4f, Vec3f(1, 0, 0));
+        frame.camera.viewFromWorldRotation = turnedAway * frame.camera.viewFromWorldRotation;
+        frame.camera.viewFromWorldTranslation = turnedAway * frame.camera.viewFromWorldTranslation;
+        FramePicture empty = **frame.picture.get();
+        std::fill(empty.image.pixels.begin(), empty.image.pixels.end(), uint8_t(77));
+        std::fill(empty.mask.pixels.begin(), empty.mask.pixels.end(), uint8_t(0));
+        frame.picture = std::make_shared<const FramePicture>(std::move(empty));
+    }
+    ASSERT_GE(moving, 3u);
+    auto t = CoOptimiser::create(std::move(input), toySettings(120), jobs);
+    ASSERT_TRUE(t) << t.error().message;
+    const auto run = (*t)->run();
+    ASSERT_TRUE(run) << run.error().message;
+    const CoOptimiseResult r = (*t)->result();
+    for (const size_t n : {0u, 1u}) EXPECT_EQ(r.correctives.nodes[2 * n + 1], Vec4f(0)) << "node " << n;
+    const auto rest = ballMesh().restPositions;
+    for (size_t v = 0; v < rest.size(); ++v) ASSERT_LT(glm::length(r.restPositions[v] - rest[v]), 0.02f) << "vertex " << v;
+    EXPECT_GT(r.splats.sh.size(), 1000u);
+}
+
 TEST(CoOptimiseMotion, motionModesGiveTheSameBytesOnManyThreadsAndAfterRestore) {
     const auto path = std::filesystem::path(::testing::TempDir()) / "trainer_motion.checkpoint";
     const auto makeMoving = [&](Jobs& jobs) {

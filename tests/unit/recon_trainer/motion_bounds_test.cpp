@@ -5,6 +5,7 @@
 
 #include <random>
 
+#include "sdk/avatar/pose_correctives.h"
 #include "sdk/format/motion_modes.h"
 
 namespace dpl::test {
@@ -88,6 +89,30 @@ TEST(MotionBounds, neighboursConvergeToABoundedStrainAndThenRest) {
         bounds.apply(c);
         for (size_t e = 0; e < c.nodes.size(); ++e)
             EXPECT_LT(glm::length(once.nodes[e] - c.nodes[e]), 1e-7f) << "nothing is beyond its bound";
+    }
+}
+
+TEST(MotionBounds, anArmBeyondTrainingSilencesNoSkirt) {
+    PoseCorrectiveData c = stripCorrectives(2);
+    c.joints = {1, 2}, c.mean.assign(12, 0), c.modes.assign(12, 0), c.reachOffModes = 0.6f;
+    std::fill_n(c.modes.begin(), 6, 0.1f);  // the film shows the leg alone
+    c.motion.movedFromRad = 0.05f, c.motion.movedToRad = 0.15f;
+    MotionBounds(legAndArm(), strip(), c).apply(c);
+    Pose within = Pose::rest(3);
+    within.localRotations[1] = glm::angleAxis(0.5f, Vec3f(1, 0, 0));
+    Pose beyond = within;
+    beyond.localRotations[2] = glm::angleAxis(2.8f, Vec3f(0, 0, 1));
+    std::vector<float> k, far;
+    correctiveCoefficients(c, within, k);
+    correctiveCoefficients(c, beyond, far);
+    EXPECT_LT(std::abs(far[0]), 0.3f * std::abs(k[0])) << "what follows the pose has faded";
+    k[0] = far[0] = 0;  // what is left are motion modes
+    std::vector<Vec4f> nodes, nodesFar;
+    correctiveNodes(c, k, nodes);
+    correctiveNodes(c, far, nodesFar);
+    for (uint32_t n = 6; n < kNodes; ++n) {
+        EXPECT_GT(glm::length(Vec3f(nodes[n])), 1e-3f) << "node " << n << " of the skirt";
+        EXPECT_EQ(Vec3f(nodes[n]), Vec3f(nodesFar[n])) << "node " << n << " of the skirt";
     }
 }
 
