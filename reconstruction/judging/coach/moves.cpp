@@ -147,8 +147,8 @@ std::vector<std::string_view> missingMoves(std::span<const JointData> joints, st
     need(body.trunk() && body.legs(), bowed.most >= kBowedDeg, "bow");
     need(body.trunk(), twisted.bothWays(kTwistedDeg), "twist to both sides");
     need(body.headKnown(), head.bothWays(kHeadDeg), "turn the head to both sides");
-    need(body.legs(), step.bothWays(kStepDeg), "walk on the spot with long steps");
-    need(body.trunk(), !fronts.empty() && headingArc(fronts, ups) >= kTurnedDeg, "turn on the spot to both sides");
+    need(body.legs(), step.bothWays(kStepDeg), "walk on the spot with long steps and swinging arms");
+    need(body.trunk(), !fronts.empty() && headingArc(fronts, ups) >= kTurnedDeg, "turn quickly on the spot to both sides");
     return missing;
 }
 
