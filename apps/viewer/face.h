@@ -43,6 +43,7 @@ public:
     bool isNeutral() const;
 
     bool together = true;  // one slider for left and right
+    bool idles = false;    // it blinks and looks around by itself, beside the sliders
     std::array<float, DPL_EXPRESSION_COUNT> weights{};
 
 private:

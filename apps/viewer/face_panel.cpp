@@ -34,6 +34,7 @@ void drawFace(ViewerState& state) {
     ImGui::BeginDisabled(face.isNeutral());
     if (ImGui::Button("Neutral face", {-1, 0})) face.weights.fill(0);
     ImGui::EndDisabled();
+    ImGui::Checkbox("blinks and looks around", &face.idles);
     ImGui::InputTextWithHint("##find", "find, such as smile", &state.faceSearch);
     ImGui::Checkbox("left and right together", &face.together);
     const auto found = face.sliders(state.faceSearch);

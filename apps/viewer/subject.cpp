@@ -87,8 +87,12 @@ Status ViewedSubject::pose(const Playback& clock, double nowS) {
     if (auto set = avatar.setTransform(rows); !set) return fromSdk(set.error());
     if (!isAvatar()) return {};
     if (auto set = avatar.setClothStiffness(clothStiffness); !set) return fromSdk(set.error());
-    if (face.any())
+    if (face.any()) {
         if (auto set = avatar.setExpression(face.weights); !set) return fromSdk(set.error());
+        const auto seed = uint32_t(reinterpret_cast<uintptr_t>(avatar.handle()));  // people who stand together blink apart
+        const float idles = face.idles ? 1.0f : 0.0f;
+        if (auto set = avatar.setFaceMotion(doppel::faceMotion(seed, idles, idles), int64_t(nowS * 1e9)); !set) return fromSdk(set.error());
+    }
     float root[3] = {};
     if (clip) {
         DPL_RETURN_IF_ERROR(poseByClips(clock, nowS));

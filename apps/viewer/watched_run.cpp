@@ -25,7 +25,7 @@ Status takeAvatar(ViewerState& state, WatchedRun& run, LoadedFile& news) {
     if (ViewedSubject* before = state.subjectOf(run.avatar)) {
         made.shown = before->shown, made.turnedDeg = news.run->finished ? 0 : before->turnedDeg, made.movedM = before->movedM;
         if (made.joints.size() == before->joints.size()) made.byHandDeg = before->byHandDeg;
-        made.face.weights = before->face.weights, made.face.together = before->face.together;
+        made.face.weights = before->face.weights, made.face.together = before->face.together, made.face.idles = before->face.idles;
         *before = std::move(made);
     } else {
         if (state.subjects.size() == DPL_MAX_TOGETHER)

@@ -313,8 +313,8 @@ export class Doppel {
     this.#check(this.#call('dplSetExpression', this.#avatar, this.#scratch, EXPRESSIONS));
   }
 
-  /** The same from a stream, by its names: those of ARKit, MediaPipe, Live Link or VRM; what is not named becomes zero. Of MediaPipe's result
-   *  these are categoryName and score of faceBlendshapes[0].categories. */
+  /** The same from a stream, by its names: those of ARKit, MediaPipe, Live Link, VRM or OpenXR; what is not named becomes zero. Of MediaPipe's
+   *  result these are categoryName and score of faceBlendshapes[0].categories. */
   setExpressionNamed(names, weights) {
     const count = names.length;
     if (weights.length !== count) throw wrong(`${count} names and ${weights.length} weights; a weight is needed for each name`);
@@ -334,7 +334,14 @@ export class Doppel {
     this.#check(result);
   }
 
-  /** The current expression: a weight for each of `expressions`. */
+  /** Blinks and glances of a face, 0 to 1, on top of what is set, and the end of a stream, for a picture at `timeMs`, such as
+   *  performance.now(): before each picture. Those of other seeds blink at other times. A stream that spoke last at `heardMs` and is silent
+   *  for `holdS` seconds has stopped, and fades; 0: what was set stays. Without this call the face is still. */
+  setFaceMotion(timeMs, { seed = 0, blinks = 1, glances = 1, holdS = 0, heardMs = 0 } = {}) {
+    this.#check(this.#call('webSetFaceMotion', this.#avatar, timeMs, seed, blinks, glances, holdS, heardMs));
+  }
+
+  /** What the face shows: a weight for each of `expressions`. */
   expression() {
     this.#check(this.#call('dplGetExpression', this.#avatar, this.#scratch, EXPRESSIONS));
     return new Float32Array(this.#memory.buffer, this.#scratch, EXPRESSIONS).slice();

@@ -211,6 +211,16 @@ EXPORT(webExpressionDrawn)(DplAvatar avatar, uint32_t expression)->uint32_t {
     return dplGetExpressionInfo(avatar, expression, &info) == DPL_OK ? info.drawn : 0;
 }
 
+/** dplSetFaceMotion with times in milliseconds. */
+EXPORT(webSetFaceMotion)
+(DplAvatar avatar, double timeMs, uint32_t seed, float blinks, float glances, float holdS, double heardMs)->DplResult {
+    DplFaceMotion motion{};
+    motion.structSize = sizeof motion;
+    motion.seed = seed, motion.heardNs = int64_t(heardMs * 1e6);
+    motion.blinks = blinks, motion.glances = glances, motion.holdS = holdS;
+    return dplSetFaceMotion(avatar, &motion, int64_t(timeMs * 1e6));
+}
+
 /** dplSetPoseAtTime with a time in milliseconds. */
 EXPORT(webSetPoseAtTime)(DplAvatar avatar, const float* rotations, uint32_t jointCount, const float* root, double timeMs)->DplResult {
     return dplSetPoseAtTime(avatar, rotations, jointCount, root, int64_t(timeMs * 1e6));

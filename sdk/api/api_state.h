@@ -23,6 +23,8 @@
 #include "sdk/include/doppel/doppel.h"
 #include "sdk/motion/clip_memory.h"
 #include "sdk/motion/clip_mix.h"
+#include "sdk/motion/face_gaze.h"
+#include "sdk/motion/face_motion.h"
 #include "sdk/motion/gaze.h"
 #include "sdk/motion/motion_clock.h"
 
@@ -69,6 +71,9 @@ struct Avatar {
     MotionClock clock;                                             // of `pose`
     float clothStiffness = 1;                                      // of dplSetClothStiffness
     ExpressionWeights expression{};                                // of dplSetExpression
+    FaceMotion faceMotion;                                         // of dplSetFaceMotion
+    int64_t faceTimeNs = 0;                                        // the same
+    FaceEyes faceEyes;                                             // of data; without expressions: nothing
     std::array<float, 12> worldFromAvatar = kStandsAtOrigin;       // as given
     Placement placement;                                           // the same
     uint32_t drawnViews = 0, drawnWidthPx = 0, drawnHeightPx = 0;  // of the last frame that belongs to this avatar; 0 views: none
@@ -92,8 +97,12 @@ struct Avatar {
 
     /** `pose` with the stiffness of the clothes and the expression, which stay while poses come and go. */
     const Pose& drawnPose() {
-        pose.clothStiffness = clothStiffness, pose.expression = expression;
+        pose.clothStiffness = clothStiffness, pose.expression = shownExpression();
         return pose;
+    }
+    /** What was set, what the face does by itself, and where the pose turns the eyes. */
+    ExpressionWeights shownExpression() const {
+        return withGaze(faceAt(expression, faceMotion, faceTimeNs), faceEyes, pose.localRotations);
     }
     /** Replays a clip, which must stay where it is. Takes milliseconds, and needs no lock. */
     ClipMemory memoryOf(const ClipData& clip) const { return {clip, data->joints, data->correctives.motion}; }

@@ -36,6 +36,7 @@ Result<Decoded> decodeAvatar(std::span<const uint8_t> bytes) {
     for (const uint32_t triangle : coded.splats.parents) made->carriesSplats[triangle] = 1;
     made->fileSplatCount = coded.splats.count(), made->fileShDegree = coded.splats.shDegree;
     made->pose = Pose::rest(made->data->joints.size());
+    if (!made->data->expressions.shapes.empty()) made->faceEyes = FaceEyes::of(*made->data);
     for (const ClipData& clip : made->data->clips) made->addClip(clip, made->memoryOf(clip));
     const std::vector<Vec3f>& vertices = made->data->mesh.restPositions;
     if (!vertices.empty()) made->restMin = made->restMax = vertices.front();

@@ -86,7 +86,21 @@ DplResult dplGetExpression(DplAvatar avatar, float* weights, uint32_t count) {
         DPL_RETURN_IF_ERROR(checkWeightCount(count));
         DPL_TRY(const auto found, avatarOf(avatar));
         std::lock_guard lock(found->context->mutex);
-        std::copy(found->expression.begin(), found->expression.end(), weights);
+        const ExpressionWeights shown = found->shownExpression();
+        std::copy(shown.begin(), shown.end(), weights);
+        return {};
+    });
+}
+
+DplResult dplSetFaceMotion(DplAvatar avatar, const DplFaceMotion* motion, int64_t timeNs) {
+    return guarded("dplSetFaceMotion", [&]() -> Status {
+        DPL_TRY(const DplFaceMotion given, readStruct<DplFaceMotion>(motion, "motion"));
+        DPL_TRY(const auto found, avatarOf(avatar));
+        DPL_RETURN_IF_ERROR(checkPosable(*found));
+        const FaceMotion taken{given.seed, given.blinks, given.glances, given.holdS, given.heardNs};
+        DPL_RETURN_IF_ERROR(checkFaceMotion(taken));
+        std::lock_guard lock(found->context->mutex);
+        found->faceMotion = taken, found->faceTimeNs = timeNs;
         return {};
     });
 }

@@ -6,6 +6,7 @@
 #include <array>
 #include <string>
 #include <string_view>
+#include <utility>
 
 #include "sdk/format/expression_names.h"
 
@@ -15,6 +16,25 @@ namespace dpl {
 constexpr std::array<std::string_view, 17> kVrmExpressions{"happy",      "angry",  "sad",      "relaxed",  "surprised", "aa",
                                                            "ih",         "ou",     "ee",       "oh",       "blink",     "blinkLeft",
                                                            "blinkRight", "lookUp", "lookDown", "lookLeft", "lookRight"};
+
+/** What VRM 0 calls them in its files, and what VRM 1 calls the same. */
+constexpr std::array<std::pair<std::string_view, std::string_view>, 17> kVrm0Names{{{"joy", "happy"},
+                                                                                    {"angry", "angry"},
+                                                                                    {"sorrow", "sad"},
+                                                                                    {"fun", "relaxed"},
+                                                                                    {"a", "aa"},
+                                                                                    {"i", "ih"},
+                                                                                    {"u", "ou"},
+                                                                                    {"e", "ee"},
+                                                                                    {"o", "oh"},
+                                                                                    {"blink", "blink"},
+                                                                                    {"blink_l", "blinkLeft"},
+                                                                                    {"blink_r", "blinkRight"},
+                                                                                    {"lookup", "lookUp"},
+                                                                                    {"lookdown", "lookDown"},
+                                                                                    {"lookleft", "lookLeft"},
+                                                                                    {"lookright", "lookRight"},
+                                                                                    {"neutral", "neutral"}}};
 
 /** A share of one of ARKit's expressions in one of VRM's. */
 struct VrmShare {

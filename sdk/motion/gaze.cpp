@@ -9,7 +9,7 @@
 namespace dpl {
 namespace {
 
-constexpr double kNeckShare = 0.5;    // of the head's turn, which the neck takes
+constexpr double kNeckOfHead = 0.5;   // of the head's turn, which the neck takes
 constexpr double kSoftFrom = 0.75;    // share of a limit up to which turns are exact
 constexpr double kFadesFromRad = 2;   // from straight ahead; nothing is left at pi
 const Vec3d kEyesM(0, 0.065, 0.075);  // from the head's joint at rest, of rigs without eyes
@@ -102,6 +102,10 @@ Result<GazeJoints> GazeJoints::of(std::span<const JointData> joints) {
     return who;
 }
 
+Vec2d gazeTurn(const Quatf& localRotation) {
+    return turnTo(glm::normalize(Quatd(localRotation)) * Vec3d(0, 0, 1));
+}
+
 Status lookAt(std::span<const JointData> joints, const GazeJoints& who, const Gaze& gaze, Pose& pose, std::vector<Mat3x4f>& transforms) {
     DPL_RETURN_IF_ERROR(checkGaze(gaze));
     jointTransforms(joints, pose, transforms);
@@ -123,7 +127,7 @@ Status lookAt(std::span<const JointData> joints, const GazeJoints& who, const Ga
         const Quatd headNow = trunk * towards(from, to, headShare) * glm::conjugate(trunk) * headTurned;
         Quatd above = before.above(who.head);
         if (who.neck) {
-            const Quatd turn = towards(from, to, kNeckShare * headShare);
+            const Quatd turn = towards(from, to, kNeckOfHead * headShare);
             pose.localRotations[*who.neck] = placed(turn * Quatd(pose.localRotations[*who.neck]));
             above = trunk * turn * glm::conjugate(trunk) * above;
         }

@@ -38,6 +38,9 @@ struct Gaze {
     Vec2f headLimitRad = kUsualHeadLimitRad, eyeLimitRad = kUsualEyeLimitRad;
 };
 
+/** Where a joint that looked along +Z at rest looks now: the shortest turn there, rad, as angles to the left and up. */
+Vec2d gazeTurn(const Quatf& localRotation);
+
 /** Turns neck, head and eyes of a pose towards a point, from where the pose has them. A function of its arguments, smooth in all of them:
  *  turns approach their limits smoothly, and from 115 degrees on the gaze fades, so that nothing flips when the target passes behind.
  *  transforms: scratch, which keeps its memory. The pose must have passed checkPose; Pose::before stays.

@@ -59,6 +59,7 @@ static void callPoses(DplAvatar avatar, uint32_t joints) {
     DplJointInfo joint = {0};
     DplFileAxes axes = {0};
     DplExpressionInfo expression = {0};
+    DplFaceMotion faceMotion = {0};
     float weights[DPL_EXPRESSION_COUNT] = {0};
     const float noWeights[DPL_EXPRESSION_COUNT] = {0}, half[1] = {0.5f};
     const char* const smile[1] = {"happy"};
@@ -91,6 +92,10 @@ static void callPoses(DplAvatar avatar, uint32_t joints) {
     OK(dplSetExpression(avatar, noWeights, DPL_EXPRESSION_COUNT));
     OK(dplSetExpressionNamed(avatar, smile, half, 1));
     OK(dplSetExpressionNamed(avatar, NULL, noWeights, DPL_EXPRESSION_COUNT));
+    faceMotion.structSize = sizeof faceMotion, faceMotion.blinks = 1;
+    OK(dplSetFaceMotion(avatar, &faceMotion, 7000000000));
+    faceMotion.blinks = 2;
+    CHECK(dplSetFaceMotion(avatar, &faceMotion, 0) == DPL_ERROR_INVALID_ARGUMENT);
     expression.structSize = sizeof expression;
     OK(dplGetExpressionInfo(avatar, found, &expression));
     CHECK(strcmp(expression.name, "mouthSmileLeft") == 0);

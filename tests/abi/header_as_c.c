@@ -46,6 +46,7 @@ int main(void) {
         CHECK(sizeof(DplClipInfo) == 32 && offsetof(DplClipInfo, durationS) == 16);
         CHECK(sizeof(DplClipOptions) == 32 && offsetof(DplClipOptions, animation) == 16 && offsetof(DplClipOptions, animationName) == 24);
         CHECK(sizeof(DplClipLayer) == 40 && offsetof(DplClipLayer, timeS) == 8 && offsetof(DplClipLayer, shiftM) == 32);
+        CHECK(sizeof(DplFaceMotion) == 32 && offsetof(DplFaceMotion, heardNs) == 8 && offsetof(DplFaceMotion, glances) == 24);
         CHECK(sizeof(DplGaze) == 40 && offsetof(DplGaze, headWeight) == 16 && offsetof(DplGaze, eyeLimitRad) == 32);
         CHECK(sizeof(DplContactShadow) == 44 && offsetof(DplContactShadow, along) == 32);
         CHECK(sizeof(DplLayerInfo) == 32 && offsetof(DplLayerInfo, hidden) == 24);

@@ -140,6 +140,14 @@ test('the face shows what it is given, whatever the pose, and streams go by thei
   assert.deepEqual(person.expression(), given, 'after errors the face stays');
   person.setExpression({});
   assert.ok(person.expression().every(weight => weight === 0));
+  const lids = Array.from({ length: 600 }, (_, i) => (person.setFaceMotion(50 * i, { seed: 3, glances: 0 }), weightOf('eyeBlinkLeft')));
+  assert.ok(Math.max(...lids) > 0.9 && lids.filter(closed => closed === 0).length > 300, 'it blinks now and then');
+  person.setExpression({ jawOpen: 1 });
+  const shown = timeMs => (person.setFaceMotion(timeMs, { blinks: 0, glances: 0, holdS: 0.3, heardMs: 1000 }), weightOf('jawOpen'));
+  assert.deepEqual([shown(1300), shown(1551)], [1, 0], 'a stream that stops fades within 0.25 s');
+  await fails(() => person.setFaceMotion(0, { blinks: 2 }), 'DPL_ERROR_INVALID_ARGUMENT', /blinks/);
+  person.setFaceMotion(0, { blinks: 0, glances: 0 });
+  person.setExpression({});
   person.dispose();
   await fails(() => person.setExpression({}), 'DPL_ERROR_INVALID_ARGUMENT', /disposed/);
 });

@@ -314,6 +314,16 @@ void lookAtPoint(JNIEnv* env, jclass, jlong avatar, jfloatArray gaze) {
     check(env, dplLookAtPoint(avatarOf(avatar), &made));
 }
 
+/** motion: blinks, glances, holdS. */
+void setFaceMotion(JNIEnv* env, jclass, jlong avatar, jlong timeNs, jint seed, jfloatArray motion, jlong heardNs) {
+    const std::vector<float> numbers = floatsOf(env, motion);
+    if (numbers.size() != 3) return throwDoppel(env, DPL_ERROR_INVALID_ARGUMENT, "a face's motion has 3 numbers");
+    DplFaceMotion made{};
+    made.structSize = sizeof made, made.seed = uint32_t(seed), made.heardNs = heardNs;
+    made.blinks = numbers[0], made.glances = numbers[1], made.holdS = numbers[2];
+    check(env, dplSetFaceMotion(avatarOf(avatar), &made, timeNs));
+}
+
 /** Alpha, row by row. onFloor: on the app's floor at floorM. place: corner, across, along, and the largest alpha. */
 jbyteArray contactShadow(JNIEnv* env, jclass, jlong avatar, jboolean onFloor, jfloat floorM, jfloatArray place) {
     std::vector<uint8_t> alpha(size_t(DPL_CONTACT_SHADOW_PX) * DPL_CONTACT_SHADOW_PX);
@@ -477,6 +487,7 @@ const std::vector<JNINativeMethod> kAvatarMethods = {
     method("setPoseFromClips", "(J[DJ)V", setPoseFromClips),
     method("joinClipLayer", "(J[D[D)V", joinClipLayer),
     method("lookAtPoint", "(J[F)V", lookAtPoint),
+    method("setFaceMotion", "(JJI[FJ)V", setFaceMotion),
     method("contactShadow", "(JZF[F)[B", contactShadow),
     method("layerNames", "(J)[Ljava/lang/String;", layerNames),
     method("isLayerHidden", "(JI)Z", isLayerHidden),

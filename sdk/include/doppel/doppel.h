@@ -383,13 +383,37 @@ DPL_EXPERIMENTAL DplResult dplFindExpression(const char* name, uint32_t* express
 DPL_EXPERIMENTAL DplResult dplSetExpression(DplAvatar avatar, const float* weights, uint32_t count);
 
 /** The same from a stream of another program, by its names. names: `count` of them, at most 1024: ARKit's, also as "eyeBlink_L", which are
- *  its raw values in Swift; MediaPipe's, of which `_neutral` says nothing; Live Link's, whose nine angles are left out; or VRM's ("happy",
- *  "aa" ...), mixtures of ARKit's. What several move is added up and held in 0 to 1. names NULL: count must be 52 (ARKit's order) or 61.
+ *  its raw values in Swift; MediaPipe's, of which `_neutral` says nothing; Live Link's, whose nine angles are left out; VRM's ("happy",
+ *  "aa" ..., and VRM 0's "joy", "a" ...), mixtures of ARKit's; or OpenXR's ("JAW_DROP" or "XR_FACE_EXPRESSION2_JAW_DROP_FB" ...). What
+ *  several move is added up and held in 0 to 1. names NULL: count must be 52 (ARKit's order), 61 (Live Link's), 63 or 70 (weights of
+ *  XR_FB_face_tracking and XR_FB_face_tracking2).
  *  DPL_ERROR_INVALID_ARGUMENT also: another count without names, or an unknown name (the text names it). */
 DPL_EXPERIMENTAL DplResult dplSetExpressionNamed(DplAvatar avatar, const char* const* names, const float* weights, uint32_t count);
 
-/** Copies the current expression: DPL_EXPRESSION_COUNT numbers, 0 to 1. */
+/** Copies what the face shows: DPL_EXPRESSION_COUNT numbers, 0 to 1. It is the expression that was set, what dplSetFaceMotion adds, and
+ * eyes within their limits: where the pose turns joints of eyes, they come first, and weights of eyeLook* take what is left of 0.6 rad to
+ * the side and 0.4 rad up or down. */
 DPL_EXPERIMENTAL DplResult dplGetExpression(DplAvatar avatar, float* weights, uint32_t count);
+
+/** What a face does by itself, beside the expression that is set. All zeros: nothing. Experimental. */
+typedef struct DplFaceMotion {
+    uint32_t structSize;
+    uint32_t seed;   /**< of the times of blinks and glances: people of one seed blink together */
+    int64_t heardNs; /**< when a stream gave the expression, by the clock of timeNs; ignored if holdS is 0 */
+    /** A stream that is silent for so long has stopped: what it set fades to neutral within 0.25 s from then on, and is back when it speaks
+     *  again. 0 to 3600 s; 0.3 is usual. 0: what was set stays. */
+    float holdS;
+    float blinks;  /**< 0: none. 1: as people at rest do, about 17 a minute. Between: the lids close so far */
+    float glances; /**< 0: none. 1: the eyes wander by up to 5 degrees. Between: so much of it. For eyes that no stream moves */
+} DplFaceMotion;
+
+/** Says what the face does by itself, and at which time the next picture is shown. Call it for each picture, in any order with other calls.
+ *  Blinks and glances are functions of seed and time alone: the same picture follows from the same arguments, whatever the frame rate, and
+ *  after a jump. They are added to what is set, and weights stay in 0 to 1. The pose stays: eyes that look at a point (dplLookAtPoint) keep
+ *  doing so, and glances come on top. Without this call, or with zeros, the face shows what is set: the same bytes.
+ *  timeNs: nanoseconds of any clock. The motion state does not hold it. An avatar without expressions takes it and does not change.
+ *  DPL_ERROR_INVALID_ARGUMENT: a number that is not finite or out of range (the text names it), or general splats. The face then stays. */
+DPL_EXPERIMENTAL DplResult dplSetFaceMotion(DplAvatar avatar, const DplFaceMotion* motion, int64_t timeNs);
 
 /* ---------------------------------------------------------------- the pose that is set, and trust in it */
 
@@ -536,7 +560,8 @@ typedef struct DplGaze {
     uint32_t structSize;
     float target[3];  /**< metres, in the space of the avatar's pose: +Z ahead at rest */
     float headWeight; /**< 0 to 1: the part of the way to the target that neck and head take together; 0.7 is usual */
-    float eyeWeight;  /**< 0 to 1: the part of what is left that the eyes take; 1 is usual. Without joints of eyes: ignored */
+    float eyeWeight;  /**< 0 to 1: the part of what is left that the eyes take; 1 is usual. Without joints of eyes: ignored. Joints
+                           that move no vertex turn the eyes by the avatar's expressions */
     /** Most that neck and head turn away from straight ahead of the trunk, to the left or right, and up or down; 0: 1.05 and 0.7 rad. */
     float headLimitRad[2];
     float eyeLimitRad[2]; /**< the same of the eyes, from straight ahead of the head; 0: 0.6 and 0.4 rad */

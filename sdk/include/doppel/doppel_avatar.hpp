@@ -71,6 +71,13 @@ struct Gaze : DplGaze {
     }
 };
 
+/** What a face does by itself; see DplFaceMotion. Those of other seeds blink at other times. */
+inline DplFaceMotion faceMotion(uint32_t seed, float blinks = 1, float glances = 1) {
+    DplFaceMotion motion{};
+    motion.structSize = sizeof motion, motion.seed = seed, motion.blinks = blinks, motion.glances = glances;
+    return motion;
+}
+
 /** A layer for Avatar::setPoseFromClips; see DplClipLayer. */
 inline DplClipLayer clipLayer(uint32_t clip, double timeS, float weight = 1, uint32_t joint = 0, uint32_t flags = DPL_LAYER_LOOP) {
     DplClipLayer layer{};
@@ -185,11 +192,12 @@ public:
     Status setMotionState(std::span<const uint8_t> state) { return status(dplSetMotionState(handle_, state.data(), state.size())); }
     /** How stiff the clothes are, until changed: 0 to 100, 1 as learned. See dplSetClothStiffness. */
     Status setClothStiffness(float stiffness) { return status(dplSetClothStiffness(handle_, stiffness)); }
-    /** Sets the face: DPL_EXPRESSION_COUNT weights, 0 to 1, in ARKit's order. See dplSetExpression. */
+    /** Sets the face: DPL_EXPRESSION_COUNT weights, 0 to 1, in ARKit's order, or as many as a stream has that needs no names. See
+     *  dplSetExpression and dplSetExpressionNamed. */
     Status setExpression(std::span<const float> weights) {
-        return status(dplSetExpression(handle_, weights.data(), uint32_t(weights.size())));
+        return status(dplSetExpressionNamed(handle_, nullptr, weights.data(), uint32_t(weights.size())));
     }
-    /** The same by names of ARKit, MediaPipe, Live Link or VRM; all others become zero. See dplSetExpressionNamed. */
+    /** The same by names of ARKit, MediaPipe, Live Link, VRM or OpenXR; all others become zero. See dplSetExpressionNamed. */
     Status setExpression(std::initializer_list<std::pair<const char*, float>> weights) {
         std::vector<const char*> names;
         std::vector<float> values;
@@ -201,6 +209,9 @@ public:
         static const char* const kNone = nullptr;  // an empty list has names too
         return status(dplSetExpressionNamed(handle_, names.empty() ? &kNone : names.data(), weights.data(), uint32_t(weights.size())));
     }
+    /** Blinks, glances and the end of a stream, for a picture at a time: for each picture; see dplSetFaceMotion. */
+    Status setFaceMotion(const DplFaceMotion& motion, int64_t timeNs) { return status(dplSetFaceMotion(handle_, &motion, timeNs)); }
+    /** What the face shows. */
     Result<std::array<float, DPL_EXPRESSION_COUNT>> expression() const {
         std::array<float, DPL_EXPRESSION_COUNT> weights{};
         if (const DplResult r = dplGetExpression(handle_, weights.data(), DPL_EXPRESSION_COUNT); r != DPL_OK) return lastError(r);

@@ -157,6 +157,7 @@ final class JniTest {
         expectError(DoppelException.NOT_FOUND, "no clip 4294967295", "a clip below 0",
                 () -> Native.setPoseFromClips(avatar, new double[] {-1, 0, 1, 0, 0, 0, 0, 0}, 0));
         expectError(invalid, "9 numbers", "a gaze that is too short", () -> Native.lookAtPoint(avatar, new float[3]));
+        expectError(invalid, "3 numbers", "a face's motion that is too short", () -> Native.setFaceMotion(avatar, 0, 1, new float[2], 0));
         expectError(DoppelException.UNSUPPORTED, "head", "an avatar without a head looks", () -> Native.lookAtPoint(avatar, new float[9]));
         Native.destroyAvatar(avatar);
     }

@@ -177,6 +177,8 @@ private class ApiTest(private val work: Path) {
                 avatar.setClothStiffness(3f)
                 expectError(DoppelException.INVALID_ARGUMENT, "1 is as learned", "a stiffness below 0") { avatar.setClothStiffness(-1f) }
                 avatar.setClothStiffness(1f)
+                avatar.setFaceMotion(5_000_000_000, seed = 3)
+                expectError(DoppelException.INVALID_ARGUMENT, "blinks", "lids that close twice") { avatar.setFaceMotion(0, blinks = 2f) }
                 expectError(DoppelException.INVALID_ARGUMENT, "33 joints", "a frame of the wrong size") {
                     avatar.createTracker(TrackFormat.MEDIAPIPE_POSE).use { it.track(0, null, positions) }
                 }

@@ -125,6 +125,48 @@ TEST_F(ExpressionApiTest, streamsGoByTheirNames) {
     EXPECT_EQ(weightsOf(face_), FaceWeights{});
 }
 
+TEST_F(ExpressionApiTest, aFaceMovesByItselfOnlyWhereItIsAsked) {
+    const std::vector<uint8_t> neutral = drawn(face_);
+    DplFaceMotion motion{};
+    motion.structSize = sizeof motion;
+    ASSERT_EQ(dplSetFaceMotion(face_, &motion, 5'000'000'000), DPL_OK) << dplGetLastError();
+    EXPECT_TRUE(drawn(face_) == neutral) << "zeros: the same bytes";
+    motion.seed = 3, motion.blinks = motion.glances = 1;
+    const auto eyelid = [&](int64_t ms) {
+        EXPECT_EQ(dplSetFaceMotion(face_, &motion, ms * 1'000'000), DPL_OK) << dplGetLastError();
+        return weightsOf(face_)[0];  // eyeBlinkLeft
+    };
+    int64_t closed = 0;
+    while (closed < 60'000 && eyelid(closed) < 0.9f) closed += 10;
+    ASSERT_LT(closed, 60'000) << "a blink within a minute";
+    const std::vector<uint8_t> blinking = drawn(face_);
+    EXPECT_TRUE(blinking != neutral);
+    EXPECT_TRUE(drawn(plain_) == neutral);
+    EXPECT_EQ(eyelid(closed + 500), 0);
+    EXPECT_TRUE(drawn(face_) != blinking);
+    EXPECT_GE(eyelid(closed), 0.9f) << "any order";
+    EXPECT_TRUE(drawn(face_) == blinking) << "the same bytes from the same arguments";
+    motion.blinks = kNan;
+    EXPECT_EQ(dplSetFaceMotion(face_, &motion, 0), DPL_ERROR_INVALID_ARGUMENT);
+    EXPECT_TRUE(errorSays("blinks")) << dplGetLastError();
+    EXPECT_TRUE(drawn(face_) == blinking) << "what was asked before stays";
+}
+
+TEST_F(ExpressionApiTest, aStreamThatStopsFadesAndComesBack) {
+    FaceWeights weights{};
+    weights[0] = 1;
+    ASSERT_EQ(set(face_, weights), DPL_OK);
+    DplFaceMotion motion{};
+    motion.structSize = sizeof motion, motion.holdS = 0.3f, motion.heardNs = 1'000'000'000;
+    ASSERT_EQ(dplSetFaceMotion(face_, &motion, 1'200'000'000), DPL_OK);
+    EXPECT_EQ(weightsOf(face_), weights);
+    ASSERT_EQ(dplSetFaceMotion(face_, &motion, 1'600'000'000), DPL_OK);
+    EXPECT_EQ(weightsOf(face_), FaceWeights{}) << "silent for 0.3 s, faded within 0.25 s";
+    motion.heardNs = 1'650'000'000;
+    ASSERT_EQ(dplSetFaceMotion(face_, &motion, 1'660'000'000), DPL_OK);
+    EXPECT_EQ(weightsOf(face_), weights) << "it speaks again";
+}
+
 TEST_F(ExpressionApiTest, namesAreARKitsAndSayWhatIsDrawn) {
     uint32_t drawn = 0;
     for (uint32_t e = 0; e < DPL_EXPRESSION_COUNT; ++e) {

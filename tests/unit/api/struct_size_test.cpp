@@ -131,6 +131,9 @@ TEST_F(StructSize, inputs) {
     check<DplClipLayer>(
         "DplClipLayer of dplJoinClipLayer", [&](DplClipLayer& l) { l = layer; },
         [&](DplClipLayer* s) { return dplJoinClipLayer(person_, &layer, s); });
+    check<DplFaceMotion>(
+        "DplFaceMotion", [](DplFaceMotion& m) { m.blinks = m.glances = 1; },
+        [&](DplFaceMotion* s) { return dplSetFaceMotion(person_, s, 5); });
     check<DplGaze>(
         "DplGaze", [](DplGaze& g) { g.target[2] = 3, g.headWeight = 1; }, [&](DplGaze* s) { return dplLookAtPoint(person_, s); });
     std::vector<float> numbers(1 << 16);

@@ -70,6 +70,7 @@ extension DplClipInfo: Sized {}
 extension DplClipLayer: Sized {}
 extension DplClipOptions: Sized {}
 extension DplGaze: Sized {}
+extension DplFaceMotion: Sized {}
 extension DplPoseTrust: Sized {}
 extension DplContactShadow: Sized {}
 extension DplLayerInfo: Sized {}

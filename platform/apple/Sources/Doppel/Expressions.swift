@@ -31,7 +31,7 @@ extension Avatar {
         try check(dplSetExpression(handle.raw, weights, try c(weights.count)))
     }
 
-    /// The same by names of ARKit, MediaPipe, Live Link or VRM; all others become zero. See `dplSetExpressionNamed`.
+    /// The same by names of ARKit, MediaPipe, Live Link, VRM or OpenXR; all others become zero. See `dplSetExpressionNamed`.
     public func setExpression(_ weights: [String: Float]) throws(DoppelError) {
         try setExpression(names: Array(weights.keys), weights: Array(weights.values))
     }

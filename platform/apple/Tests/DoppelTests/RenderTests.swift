@@ -126,6 +126,10 @@ final class RenderTests: XCTestCase {
         try avatar.setClothStiffness(3)
         XCTAssertThrowsError(try avatar.setClothStiffness(-1)) { XCTAssertEqual(($0 as? DoppelError)?.code, .invalidArgument) }
         try avatar.setClothStiffness(1)
+        try avatar.setFaceMotion(FaceMotion(seed: 3), timeNs: 5_000_000_000)
+        XCTAssertThrowsError(try avatar.setFaceMotion(FaceMotion(seed: 3, blinks: 2), timeNs: 0)) {
+            XCTAssertEqual(($0 as? DoppelError)?.code, .invalidArgument)
+        }
         try avatar.setPose(clip: 0, timeS: 0.5)
         XCTAssertEqual(try avatar.pose().root.y, 0.25, accuracy: 1e-4)
         try avatar.setPose(clip: 0, timeS: 9, loop: false)

@@ -61,6 +61,7 @@ final class Native {
     static native void setPoseFromClips(long avatar, double[] layers, long timeNs);
     static native void joinClipLayer(long avatar, double[] before, double[] layer);
     static native void lookAtPoint(long avatar, float[] gaze);
+    static native void setFaceMotion(long avatar, long timeNs, int seed, float[] motion, long heardNs);
     static native byte[] contactShadow(long avatar, boolean onFloor, float floorM, float[] place);
     static native String[] layerNames(long avatar);
     static native boolean isLayerHidden(long avatar, int layer);

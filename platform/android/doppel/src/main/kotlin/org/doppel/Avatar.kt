@@ -134,7 +134,7 @@ class Avatar internal constructor(number: Long) : Closeable {
         get() = Native.expression(number)
         set(weights) = Native.setExpression(number, weights)
 
-    /** The same by names of ARKit, MediaPipe, Live Link or VRM; all others become zero. See dplSetExpressionNamed. */
+    /** The same by names of ARKit, MediaPipe, Live Link, VRM or OpenXR; all others become zero. See dplSetExpressionNamed. */
     fun setExpression(weights: Map<String, Float>) = setExpression(weights.keys.toTypedArray(), weights.values.toFloatArray())
 
     /** The same for a stream that gives names and weights apart. */
@@ -172,6 +172,15 @@ class Avatar internal constructor(number: Long) : Closeable {
         layer.headingRad = numbers[5].toFloat()
         layer.shiftM = floatArrayOf(numbers[6].toFloat(), numbers[7].toFloat())
     }
+
+    /**
+     * Blinks and glances of a face, 0 to 1, and the end of a stream, for a picture at [timeNs]: for each picture. Those of other seeds blink
+     * at other times. A stream that spoke last at [heardNs] and is silent for [holdS] seconds has stopped; 0: what was set stays. See
+     * dplSetFaceMotion.
+     */
+    @JvmOverloads
+    fun setFaceMotion(timeNs: Long, seed: Int = 0, blinks: Float = 1f, glances: Float = 1f, holdS: Float = 0f, heardNs: Long = 0) =
+        Native.setFaceMotion(number, timeNs, seed, floatArrayOf(blinks, glances, holdS), heardNs)
 
     /**
      * Turns neck, head and eyes of the current pose towards a point, metres in the space of the pose. Once after each pose, before drawing.
