@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "apps/viewer/loader.h"
 
+#include <algorithm>
 #include <chrono>
 #include <functional>
 
@@ -139,8 +140,10 @@ std::vector<LoadedFile> Loader::take() {
 
 std::string Loader::atHand() const {
     std::lock_guard lock(mutex_);
-    if (!atHand_.empty()) return atHand_;
-    return tasks_.empty() ? "" : tasks_.front().path;
+    const auto next = std::find_if(tasks_.begin(), tasks_.end(), [](const Task& t) { return t.settingsFile.empty() && !t.save; });
+    if (next == tasks_.end()) return atHand_;
+    const std::string name = std::filesystem::path(next->path).filename().string();
+    return atHand_.empty() ? name : formatText("{}, then {}", atHand_, name);  // a click is seen before its turn comes
 }
 
 Status Loader::makeContext() {

@@ -76,12 +76,15 @@ function scoreFaces(label, pictures) {
   });
 }
 
+/** The line of a traceback of Python that says what went wrong. */
+const lastError = text => text.split('\n').filter(line => /^\w*Error: (?!Python: Traceback)/.test(line)).at(-1) ?? text.replaceAll(/\s+/g, ' ');
+
 /** What blender_draw.py left, as visit() tells it. */
 function ofBlender(folder) {
   const found = {}, pictures = new Map();
   for (const { label } of files.filter(({ kind }) => kind === 'mesh')) {
     const why = path.join(folder, `${label}.txt`);
-    found[label] = fs.existsSync(why) ? { cannot: fs.readFileSync(why, 'utf8').slice(0, 200) } : {};
+    found[label] = fs.existsSync(why) ? { cannot: lastError(fs.readFileSync(why, 'utf8')).slice(0, 200) } : {};
     for (const { name } of found[label].cannot ? [] : SHOTS) pictures.set(`${label}-${name}`, fs.readFileSync(path.join(folder, `${label}-${name}.rgba`)));
   }
   return { result: { files: found }, pictures };
