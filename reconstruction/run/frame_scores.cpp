@@ -64,10 +64,11 @@ std::string scoreLines(const std::vector<HeldOutFrame>& frames, const char* what
             char line[320];
             std::snprintf(line, sizeof line,
                           "\n%s %-8s  masked PSNR %.2f dB, alpha IoU %.4f, SSIM %.4f (pose fitted; without: %.2f dB)\n"
-                          "  with what is drawn outside: PSNR %.2f dB, SSIM %.4f; uncovered %.2f %%, drawn outside %.2f %% of the mask",
+                          "  with what is drawn outside: PSNR %.2f dB, SSIM %.4f; uncovered %.2f %%, drawn outside %.2f %% of the mask, "
+                          "%.1f px of lone specks",
                           what, shortKindName(kind), mean->maskedPsnrDb, mean->alphaIou, mean->maskedSsim,
                           meanScore(frames, kind, &HeldOutFrame::withoutPoseFit)->maskedPsnrDb, mean->unionPsnrDb, mean->unionSsim,
-                          100 * mean->uncovered, 100 * mean->drawnOutside);
+                          100 * mean->uncovered, 100 * mean->drawnOutside, mean->lonePx);
             text += line;
         }
     return text;

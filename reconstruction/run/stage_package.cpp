@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "reconstruction/output/package/lone_splats.h"
 #include "reconstruction/run/hidden_parts.h"
 #include "reconstruction/run/settings_json.h"
 #include "reconstruction/run/stage_assemble.h"
@@ -14,6 +15,7 @@
 #include "reconstruction/subject/face/body_face.h"
 #include "reconstruction/training/trainer/polish.h"
 #include "sdk/core/files.h"
+#include "sdk/core/log.h"
 
 namespace dpl {
 
@@ -59,9 +61,14 @@ Status StageOf<Package>::make(StageInputs& in, StageContext& context) {
     }
     avatar.evidence = layers->decided;
     for (const PartEvidence& part : measured->parts) avatar.evidence.push_back(part.row);
-    const TaskPart part(makesUp ? 0.5 : 0, 1);
-    DPL_TRY(avatar, polish(std::move(avatar), assembled->triangleLabel, assembled->frames, settings.polishSteps, settings.training.seed,
-                           in.jobs()));
+    {
+        const TaskPart part(makesUp ? 0.5 : 0, 0.95);
+        DPL_TRY(avatar, polish(std::move(avatar), assembled->triangleLabel, assembled->frames, settings.polishSteps, settings.training.seed,
+                               in.jobs()));
+    }
+    const TaskPart part(0.95, 1);
+    DPL_TRY(const uint32_t lone, dropLoneSplats(avatar, assembled->frames, in.jobs()));
+    log(LogLevel::Info, "{} splats that stand free of the person in still pictures are left out", lone);
     avatar.captureMap = mapped->capture;
     DPL_TRY([[maybe_unused]] const size_t painted, paintHiddenParts(avatar, chosen->body));
     DPL_TRY(const EvidenceData face, addBodyFace(avatar, chosen->body));

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The stage package. The evidence decides which parts go into the file. What remains makes up for pose correctives that do not (trainedOn),
-// a short polish runs on the decoded avatar, the body's expressions are added, and the avatar is encoded with the capture map.
+// a short polish runs on the decoded avatar, splats that stand free of the person go, the body's expressions are added, and the avatar is
+// encoded with the capture map.
 #pragma once
 
 #include "reconstruction/run/graph.h"
@@ -13,7 +14,7 @@ struct Package {
 
 template <>
 struct StageOf<Package> {
-    static constexpr StageName kName{"package", 8};
+    static constexpr StageName kName{"package", 9};
     static constexpr const char* kPriors[] = {"input/cameras",   "input/capture",        "subject/body",    "subject/garments",
                                               "subject/surface", "training/correctives", "training/trainer"};
     static Status inputs(StageInputs& in);

@@ -17,7 +17,7 @@ constexpr std::pair<const char*, double FrameScore::*> kScores[] = {
     {"masked_psnr_db", &FrameScore::maskedPsnrDb}, {"masked_ssim", &FrameScore::maskedSsim}, {"alpha_iou", &FrameScore::alphaIou},
     {"full_psnr_db", &FrameScore::fullPsnrDb},     {"full_ssim", &FrameScore::fullSsim},     {"coverage", &FrameScore::coverage},
     {"union_psnr_db", &FrameScore::unionPsnrDb},   {"union_ssim", &FrameScore::unionSsim},   {"uncovered", &FrameScore::uncovered},
-    {"drawn_outside", &FrameScore::drawnOutside}};
+    {"drawn_outside", &FrameScore::drawnOutside},  {"lone_px", &FrameScore::lonePx}};
 
 ordered_json scoreJson(const FrameScore& s) {
     ordered_json out;

@@ -29,6 +29,7 @@ struct FrameScore {
     double unionSsim = 0;     // as maskedSsim, over the same pixels
     double uncovered = 0;     // mask pixels whose drawn alpha is < 128, over mask pixels
     double drawnOutside = 0;  // pixels with drawn alpha ≥ 128 outside the mask, over mask pixels
+    double lonePx = 0;        // pixels of drawn parts that stand free of the person (loneParts)
 };
 
 /** Scores and pictures of one held-out frame. */

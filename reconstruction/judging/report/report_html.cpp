@@ -19,8 +19,8 @@ std::string fixed(double value, int digits) {
 std::string scoreRow(const std::string& name, const FrameScore& s) {
     return "<tr><td>" + escapeHtml(name) + "</td><td>" + fixed(s.maskedPsnrDb, 2) + "</td><td>" + fixed(s.maskedSsim, 4) + "</td><td>" +
            fixed(s.alphaIou, 4) + "</td><td>" + fixed(s.unionPsnrDb, 2) + "</td><td>" + fixed(s.unionSsim, 4) + "</td><td>" +
-           fixed(100 * s.uncovered, 2) + "</td><td>" + fixed(100 * s.drawnOutside, 2) + "</td><td>" + fixed(s.fullPsnrDb, 2) + "</td><td>" +
-           fixed(s.fullSsim, 4) + "</td></tr>";
+           fixed(100 * s.uncovered, 2) + "</td><td>" + fixed(100 * s.drawnOutside, 2) + "</td><td>" + fixed(s.lonePx, 1) + "</td><td>" +
+           fixed(s.fullPsnrDb, 2) + "</td><td>" + fixed(s.fullSsim, 4) + "</td></tr>";
 }
 
 /** Two cells: the bar, and whether it is met; empty cells without a bar. */
@@ -36,11 +36,12 @@ void addScores(std::string& html, const ReportData& data) {
         if (!fitted) continue;
         size_t count = 0;
         for (const HeldOutFrame& frame : data.frames) count += frame.kind == kind;
-        html += "<h3>Held-out " + std::string(shortKindName(kind)) + " frames (" + std::to_string(count) + ")</h3><div class=big><div><b>" +
-                fixed(fitted->maskedPsnrDb, 2) + " dB</b>masked PSNR</div><div><b>" + fixed(fitted->alphaIou, 4) +
-                "</b>alpha IoU</div><div><b>" + fixed(fitted->maskedSsim, 4) + "</b>masked SSIM</div></div>" + kTableBegin +
-                "<tr><th>mean of</th><th>masked PSNR dB</th><th>masked SSIM</th><th>alpha IoU</th><th>union PSNR dB</th><th>union "
-                "SSIM</th><th>uncovered %</th><th>drawn outside %</th><th>full-frame PSNR dB</th><th>full-frame SSIM</th></tr>";
+        html +=
+            "<h3>Held-out " + std::string(shortKindName(kind)) + " frames (" + std::to_string(count) + ")</h3><div class=big><div><b>" +
+            fixed(fitted->maskedPsnrDb, 2) + " dB</b>masked PSNR</div><div><b>" + fixed(fitted->alphaIou, 4) +
+            "</b>alpha IoU</div><div><b>" + fixed(fitted->maskedSsim, 4) + "</b>masked SSIM</div></div>" + kTableBegin +
+            "<tr><th>mean of</th><th>masked PSNR dB</th><th>masked SSIM</th><th>alpha IoU</th><th>union PSNR dB</th><th>union "
+            "SSIM</th><th>uncovered %</th><th>drawn outside %</th><th>lone px</th><th>full-frame PSNR dB</th><th>full-frame SSIM</th></tr>";
         html += scoreRow("avatar, with test-time pose fit", *fitted);
         html += scoreRow("avatar, without", *meanScore(data.frames, kind, &HeldOutFrame::withoutPoseFit));
         html += scoreRow("floor: one flat colour per label, true mask", *meanScore(data.frames, kind, &HeldOutFrame::labelFloor));
@@ -49,7 +50,7 @@ void addScores(std::string& html, const ReportData& data) {
                 std::string(
                     "<p class=soft>Masked: inside the true mask, the render's own alpha over white, black and grey, worst of the three. "
                     "Union: the same over the mask and what is drawn outside of it. Uncovered and drawn outside: pixels over those of "
-                    "the mask. Full-frame: on white, "
+                    "the mask. Lone: pixels of specks that stand free of the person, a frame. Full-frame: on white, "
                     "truth cut out with its mask; the person covers ") +
                 fixed(fitted->coverage * 100, 1) + " % of the frame, so white flatters these figures.</p>";
     }

@@ -7,6 +7,7 @@
 
 #include "reconstruction/input/capture/frame_picture.h"
 #include "reconstruction/judging/report/picture_error.h"
+#include "reconstruction/subject/surface/lone_parts.h"
 #include "reconstruction/subject/surface/mesh_raster.h"
 
 namespace dpl {
@@ -33,11 +34,15 @@ FrameScore scorePicture(const std::vector<uint8_t>& rgba, const std::vector<uint
     const auto isPersonAt = [&](size_t i) { return truthRgba[i * 4 + 3] >= 128; };
     const auto isDrawnAt = [&](size_t i) { return rgba[i * 4 + 3] >= 128; };
     size_t inside = 0, both = 0, either = 0;
+    std::vector<uint8_t> shown(pixels), persons(pixels);
     for (size_t i = 0; i < pixels; ++i) {
         const bool person = isPersonAt(i), drawn = isDrawnAt(i);
         inside += person, both += person && drawn, either += person || drawn;
+        shown[i] = rgba[i * 4 + 3] >= kShownAlpha, persons[i] = person;
     }
     if (inside == 0) return score;
+    const std::vector<uint8_t> lone = loneParts(shown, persons, widthPx, heightPx);
+    score.lonePx = double(std::count(lone.begin(), lone.end(), uint8_t(1)));
     score.alphaIou = double(both) / double(either);
     score.coverage = double(inside) / double(pixels);
     score.uncovered = double(inside - both) / double(inside);

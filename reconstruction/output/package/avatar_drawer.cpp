@@ -29,13 +29,14 @@ SplatEngine& AvatarDrawer::project(const Pose& pose, const Cameraf& camera) {
     return engine_;
 }
 
-void addContributions(const SplatEngine& engine, const Cameraf& camera, std::vector<double>& sum) {
+void addContributions(const SplatEngine& engine, const Cameraf& camera, std::vector<double>& sum, std::span<const uint8_t> only) {
     const TileLists& tiles = engine.tiles();
     const auto projected = engine.projected();
     for (uint32_t tile = 0; tile < tiles.columns * tiles.rows; ++tile) {
         const uint32_t x0 = tile % tiles.columns * kTileSizePx, y0 = tile / tiles.columns * kTileSizePx;
         for (uint32_t y = y0; y < std::min(y0 + kTileSizePx, camera.heightPx); ++y)
             for (uint32_t x = x0; x < std::min(x0 + kTileSizePx, camera.widthPx); ++x) {
+                if (!only.empty() && !only[size_t(y) * camera.widthPx + x]) continue;
                 float left = 1;
                 for (uint32_t e = tiles.offset[tile]; e < tiles.offset[tile + 1] && left > 1e-4f; ++e) {
                     const ProjectedSplat& s = projected[tiles.entries[e]];

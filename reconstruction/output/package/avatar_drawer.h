@@ -33,7 +33,7 @@ private:
 };
 
 /** Adds to `sum`, one a splat, what each splat contributes to the projected picture: Σ α·T (alpha times transmittance) over its pixels. The
- *  order is fixed (tiles, pixels, depth), so sums are reproducible. */
-void addContributions(const SplatEngine& engine, const Cameraf& camera, std::vector<double>& sum);
+ *  order is fixed (tiles, pixels, depth), so sums are reproducible. only: one a pixel; those of 0 do not count; empty: all do. */
+void addContributions(const SplatEngine& engine, const Cameraf& camera, std::vector<double>& sum, std::span<const uint8_t> only = {});
 
 }  // namespace dpl

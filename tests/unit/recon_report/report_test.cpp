@@ -40,13 +40,15 @@ TEST(Report, statesTheUnionAndTheOutlineForEachKind) {
     data.frames[0].withPoseFit.unionPsnrDb = 18, data.frames[2].withPoseFit.unionPsnrDb = 19;
     data.frames[0].withPoseFit.unionSsim = 0.5, data.frames[2].withPoseFit.unionSsim = 0.7;
     data.frames[1].withPoseFit.uncovered = 0.0456, data.frames[1].withPoseFit.drawnOutside = 0.0123;
+    data.frames[1].withPoseFit.lonePx = 17;
     const auto json = nlohmann::json::parse(reportJson(data));
     EXPECT_DOUBLE_EQ(json["means"]["static"]["with_pose_fit"]["union_psnr_db"], 18.5);
     EXPECT_DOUBLE_EQ(json["means"]["static"]["with_pose_fit"]["union_ssim"], 0.6);
     EXPECT_DOUBLE_EQ(json["means"]["dynamic"]["with_pose_fit"]["uncovered"], 0.0456);
     EXPECT_DOUBLE_EQ(json["frames"][1]["with_pose_fit"]["drawn_outside"], 0.0123);
+    EXPECT_DOUBLE_EQ(json["means"]["dynamic"]["with_pose_fit"]["lone_px"], 17);
     const std::string html = reportHtml(data);
-    for (const char* cell : {"<td>18.50</td>", "<td>0.6000</td>", "<td>4.56</td>", "<td>1.23</td>"})
+    for (const char* cell : {"<td>18.50</td>", "<td>0.6000</td>", "<td>4.56</td>", "<td>1.23</td>", "<td>17.0</td>"})
         EXPECT_NE(html.find(cell), std::string::npos) << cell;
 }
 

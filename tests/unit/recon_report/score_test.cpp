@@ -5,6 +5,8 @@
 
 #include <cmath>
 
+#include "reconstruction/subject/surface/lone_parts.h"
+
 namespace {
 
 using namespace dpl;
@@ -79,6 +81,16 @@ TEST(ScorePicture, drawingTooWideCountsInTheUnionAlone) {
     EXPECT_LT(score.unionSsim, score.maskedSsim - 0.1);
     EXPECT_DOUBLE_EQ(score.drawnOutside, 100.0 / 400);
     EXPECT_EQ(score.uncovered, 0);
+}
+
+TEST(ScorePicture, aSpeckFreeOfThePersonIsLoneAndOneThatTouchesItIsNot) {
+    Scene s;
+    const auto draw = [&](uint32_t x, uint32_t y, uint8_t alpha) { s.rgba[(y * kWidth + x) * 4 + 3] = alpha; };
+    draw(9, 4, 255);  // touches the person's corner
+    EXPECT_EQ(scorePicture(s.rgba, s.truth, s.mask).lonePx, 0);
+    draw(2, 2, 255), draw(3, 2, kShownAlpha);
+    draw(4, 2, kShownAlpha - 1);  // too faint to be seen
+    EXPECT_EQ(scorePicture(s.rgba, s.truth, s.mask).lonePx, 2);
 }
 
 TEST(ScorePicture, drawingTooNarrowIsUncovered) {
