@@ -46,4 +46,14 @@ void rememberPoses(const Scan& scan, const MotionModeData& motion, PosesFile& fi
     }
 }
 
+std::vector<Pose> posesInLoop(const MotionModeData& motion, const MoveClip& move) {
+    if (motion.empty()) return move.poses;
+    std::vector<Pose> rounds = move.poses;
+    rounds.insert(rounds.end(), move.poses.begin(), move.poses.end());
+    std::vector<double> timesS;
+    for (size_t i = 0; i < rounds.size(); ++i) timesS.push_back(move.seconds * double(i) / double(move.poses.size()));
+    rememberFilm(motion, timesS, rounds);
+    return {rounds.begin() + ptrdiff_t(move.poses.size()), rounds.end()};
+}
+
 }  // namespace dpl

@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// What clothes remember along a scan's film.
+// What clothes remember along a scan's film, and along a move.
 #pragma once
 
 #include <span>
 #include <vector>
 
+#include "reconstruction/judging/coach/move_poses.h"
 #include "reconstruction/output/package/poses_file.h"
 #include "reconstruction/run/frame_table.h"
 
@@ -22,5 +23,8 @@ void rememberPoses(const Scan& scan, const MotionModeData& motion, std::span<Pos
 
 /** The same for a poses file of the scan, one pose a frame. A fitted pose remembers the same as the pose that it was fitted from. */
 void rememberPoses(const Scan& scan, const MotionModeData& motion, PosesFile& file);
+
+/** The poses of a move that goes round and round: clothes remember a first round. */
+std::vector<Pose> posesInLoop(const MotionModeData& motion, const MoveClip& move);
 
 }  // namespace dpl

@@ -8,9 +8,9 @@
 #include "reconstruction/judging/coach/move_poses.h"
 #include "reconstruction/judging/coach/shots.h"
 #include "reconstruction/judging/report/score.h"
+#include "reconstruction/run/film_memory.h"
 #include "reconstruction/subject/surface/body_places.h"
 #include "reconstruction/subject/surface/orbit_camera.h"
-#include "reconstruction/training/correctives/motion_model.h"
 #include "sdk/core/evenly_spaced.h"
 #include "sdk/core/task.h"
 
@@ -80,17 +80,6 @@ Camerad clipCamera(const MeshData& mesh) {
     return orbitCamera(0.5 * Vec3d(low + high), distance, 0.6, 0.1, focalPx, uint32_t(0.75 * kClipHeightPx), uint32_t(kClipHeightPx));
 }
 
-/** What clothes remember after a first round of the move. */
-void rememberRound(const MotionModeData& motion, const MoveClip& move, std::vector<Pose>& poses) {
-    if (motion.empty()) return;
-    std::vector<Pose> rounds = poses;
-    rounds.insert(rounds.end(), poses.begin(), poses.end());
-    std::vector<double> timesS;
-    for (size_t i = 0; i < rounds.size(); ++i) timesS.push_back(move.seconds * double(i) / double(poses.size()));
-    rememberFilm(motion, timesS, rounds);
-    std::copy(rounds.begin() + ptrdiff_t(poses.size()), rounds.end(), poses.begin());
-}
-
 }  // namespace
 
 Result<std::vector<ReportClip>> drawClips(const FilmedAvatar& filmed, AvatarView& view) {
@@ -101,8 +90,7 @@ Result<std::vector<ReportClip>> drawClips(const FilmedAvatar& filmed, AvatarView
     const Camerad camera = clipCamera(filmed.avatar.mesh);
     for (const MoveClip& move : moveClips(filmed.avatar.joints)) {
         ReportClip clip{formatText("The avatar {}, which nobody filmed", move.name), move.seconds, {}};
-        std::vector<Pose> poses = move.poses;
-        rememberRound(filmed.avatar.correctives.motion, move, poses);
+        const std::vector<Pose> poses = posesInLoop(filmed.avatar.correctives.motion, move);
         for (size_t i = 0; i < poses.size(); ++i) {
             DPL_RETURN_IF_ERROR(taskAt(double(i) / double(poses.size()), "clips"));
             DPL_TRY(const auto drawn, view.draw(poses[i], camera));

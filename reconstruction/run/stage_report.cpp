@@ -15,6 +15,7 @@
 #include "reconstruction/run/film_memory.h"
 #include "reconstruction/run/frame_scores.h"
 #include "reconstruction/run/live_person.h"
+#include "reconstruction/run/needle_figures.h"
 #include "reconstruction/run/portrait.h"
 #include "reconstruction/run/report_pictures.h"
 #include "reconstruction/run/run_request.h"
@@ -27,17 +28,14 @@
 #include "reconstruction/run/stage_package.h"
 #include "reconstruction/run/stage_pose_fit.h"
 #include "reconstruction/subject/body/body_truth.h"
-#include "reconstruction/subject/garments/cloth_faults.h"
 #include "reconstruction/training/correctives/corrective_strain.h"
 #include "sdk/avatar/posed_mesh.h"
-#include "sdk/avatar/stress_poses.h"
 #include "sdk/core/files.h"
 #include "sdk/format/avatar_file.h"
 
 namespace dpl {
 namespace {
 
-constexpr double kLongestEdge = 2;      // bar: of a garment, over its rest length
 constexpr double kGarmentRatio = 0.75;  // bar: distance of a garment from the truth, of that under plain LBS
 
 /** Adds the distances of joints to the truth of a synthetic scan, with the bars for registration. */
@@ -320,19 +318,7 @@ Status StageOf<ReportFiles>::make(StageInputs& in, StageContext& context) {
         add("correctives.strain", strange, "strain of an edge", "%", stress.strainPercent);
         add("correctives.light", strange, "change of brightness", "%", stress.lightPercent);
     }
-    for (const GarmentNeedles& n : clothNeedles(avatar, stressPoses(avatar.joints), in.jobs())) {
-        const std::string wide = "clothes in the stress poses";
-        data.figures.push_back({"needles." + n.name + ".edge", wide, n.name + ", longest edge over its rest length", "", n.longestStretch,
-                                ReportBar{kLongestEdge, /*atLeast=*/false}});
-        data.figures.push_back({"needles." + n.name + ".splat", wide, n.name + ", longest splat", "mm", 1000 * n.longestSplatM, {}});
-        const auto addPixels = [&](const std::string& part, const std::string& what, const std::string& of, const PixelFault& fault) {
-            const std::string key = "needles." + n.name + "." + part;
-            data.figures.push_back({key + ".most", wide, n.name + ", " + what + ", worst pose", "pixels", double(fault.mostPx), {}});
-            data.figures.push_back({key + ".share", wide, n.name + ", " + what, of, 100 * fault.share, {}});
-        };
-        addPixels("outside", "drawn outside the grown tubes", "% of its pixels", n.outside);
-        addPixels("uncovered", "uncovered in its outline", "% of its outline", n.uncovered);
-    }
+    addNeedleFigures(avatar, in.jobs(), data);
     const std::string size = "avatar file";
     add("file.bytes_a_splat", size, "splats and SH", "bytes a splat", double(info.splatBytes + info.shBytes) / std::max(1u, info.splats));
     add("file.bytes", size, "whole file", "bytes", double(package->bytes.size()));
