@@ -74,7 +74,7 @@ TEST(NeedleFigures, standForTheStressPosesAndForEachMove) {
 TEST(NeedleFigures, thereAreNoneWithoutLegsOrGarments) {
     Jobs jobs(2);
     AvatarData avatar = inSkirt();
-    for (JointData& joint : avatar.joints) joint.humanoidBone.clear();
+    for (JointData& joint : avatar.joints) joint.name = "part", joint.humanoidBone.clear();
     ReportData data;
     addNeedleFigures(avatar, jobs, data);
     avatar = inSkirt();
