@@ -97,8 +97,8 @@ public:
     /** Poses the avatar by its rig, with or without its pose correctives. */
     std::vector<Vec3f> pose(const Pose& pose, bool correctives = true) {
         static const PoseCorrectiveData kNone;
-        posed_.pose({avatar_.joints, avatar_.mesh, correctives ? avatar_.correctives : kNone, {bind_}, nullptr, {}, &clearance_}, pose,
-                    jobs_);
+        posed_.pose({avatar_.joints, avatar_.mesh, correctives ? avatar_.correctives : kNone, {bind_}, &avatar_.light, {}, &clearance_},
+                    pose, jobs_);
         return {posed_.positions().begin(), posed_.positions().end()};
     }
     /** RGBA with straight alpha. positions: V, world; the light is that of the last pose(). */

@@ -27,15 +27,16 @@ bool isInside(const ImageGrey8& mask, uint32_t x, uint32_t y) {
     return true;
 }
 
-/** Adds the brightness that each vertex shows in a picture to `sums`: x weighted brightness, y weight in pixels. */
-void addBrightness(const MeshRaster& raster, std::span<const Vec3f> positions, std::span<const Triangle> triangles, const Camerad& camera,
-                   const FramePicture& picture, std::vector<Vec2d>& sums) {
+/** The brightness that each vertex shows in a picture: x weighted brightness, y weight in pixels. */
+std::vector<Vec2d> brightnessOf(const SeenSurface& surface, const Camerad& camera, const FramePicture& picture) {
+    std::vector<Vec2d> sums(surface.positions.size(), Vec2d(0));
+    const MeshRaster raster = rasteriseMesh(surface.positions, surface.triangles, camera);
     const Vec3d eye = camera.eye();
     for (size_t pixel = 0; pixel < raster.triangle.size(); ++pixel) {
         if (raster.triangle[pixel] == kNoTriangle) continue;
         if (!isInside(picture.mask, uint32_t(pixel % raster.widthPx), uint32_t(pixel / raster.widthPx))) continue;
-        const Triangle& t = triangles[raster.triangle[pixel]];
-        const double cosine = frontCosine(positions, t, eye);
+        const Triangle& t = surface.triangles[raster.triangle[pixel]];
+        const double cosine = frontCosine(surface.positions, t, eye);
         const uint8_t* rgb = &picture.image.pixels[pixel * 3];
         const double brightness = (double(rgb[0]) + rgb[1] + rgb[2]) / 3;
         if (cosine < kLeastCosine || brightness < kLeastBrightness || brightness > kMostBrightness) continue;
@@ -43,18 +44,34 @@ void addBrightness(const MeshRaster& raster, std::span<const Vec3f> positions, s
         const double shares[3] = {1.0 - uv.x - uv.y, uv.x, uv.y};
         for (int k = 0; k < 3; ++k) sums[t[k]] += shares[k] * cosine * Vec2d(brightness, 1);
     }
+    return sums;
 }
 
 }  // namespace
 
+void addLightSightings(const SeenSurface& surface, const Camerad& camera, bool moving, const FramePicture& picture,
+                       std::vector<LightSighting>& sightings) {
+    const std::vector<Vec2d> sums = brightnessOf(surface, camera, picture);
+    for (uint32_t v = 0; v < sums.size(); ++v) {
+        if (sums[v].y < kLeastPixels) continue;
+        const double mean = sums[v].x / sums[v].y;
+        // The variance of a logarithm is that of the brightness over its square.
+        const double weight = surface.trust[v] * std::min(sums[v].y, kMostPixels) * (mean / 255) * (mean / 255);
+        const Vec3f& normal = surface.normals[v];
+        if (!(glm::length(normal) > 1e-3f)) continue;
+        sightings.push_back({v, moving, float(std::log(mean)), float(weight), glm::normalize(normal)});
+    }
+}
+
 Result<std::vector<LightSighting>> lightSightings(std::span<const JointData> joints, const MeshData& mesh,
                                                   std::span<const TrainFrame> frames, Jobs& jobs) {
-    const std::vector<Vec3f> normals = restVertexNormals(mesh);
-    const size_t skin = mesh.layers.empty() ? normals.size() : mesh.layers.front().vertexCount;
+    const std::vector<Vec3f> rest = restVertexNormals(mesh);
+    const size_t skin = mesh.layers.empty() ? rest.size() : mesh.layers.front().vertexCount;
+    std::vector<double> trust(rest.size(), 1.0);
+    std::fill(trust.begin() + std::ptrdiff_t(skin), trust.end(), priors::kClothLightTrust);
     std::vector<LightSighting> sightings;
-    std::vector<Vec3f> positions;
+    std::vector<Vec3f> positions, normals(rest.size());
     std::vector<Mat3x4f> worldFromRest;
-    std::vector<Vec2d> sums;
     for (size_t f = 0; f < frames.size(); ++f) {
         DPL_RETURN_IF_ERROR(taskAt(double(f) / double(frames.size()), "looking at the light"));
         const TrainFrame& frame = frames[f];
@@ -62,18 +79,9 @@ Result<std::vector<LightSighting>> lightSightings(std::span<const JointData> joi
         DPL_TRY(const auto picture, frame.picture.get());
         jointTransforms(joints, frame.pose, worldFromRest);
         dpl::skin(mesh, worldFromRest, jobs, positions);
-        sums.assign(normals.size(), Vec2d(0));
-        addBrightness(rasteriseMesh(positions, mesh.triangles, frame.camera), positions, mesh.triangles, frame.camera, *picture, sums);
-        for (uint32_t v = 0; v < sums.size(); ++v) {
-            if (sums[v].y < kLeastPixels) continue;
-            const double mean = sums[v].x / sums[v].y;
-            const double trust = v < skin ? 1 : priors::kClothLightTrust;
-            // The variance of a logarithm is that of the brightness over its square.
-            const double weight = trust * std::min(sums[v].y, kMostPixels) * (mean / 255) * (mean / 255);
-            const Vec3f normal = turnedNormal(normals[v], mesh.jointIndices[v], mesh.jointWeights[v], worldFromRest);
-            if (!(glm::length(normal) > 1e-3f)) continue;
-            sightings.push_back({v, frame.kind == FrameKind::Dynamic, float(std::log(mean)), float(weight), glm::normalize(normal)});
-        }
+        for (size_t v = 0; v < normals.size(); ++v)
+            normals[v] = turnedNormal(rest[v], mesh.jointIndices[v], mesh.jointWeights[v], worldFromRest);
+        addLightSightings({positions, normals, trust, mesh.triangles}, frame.camera, frame.kind == FrameKind::Dynamic, *picture, sightings);
     }
     return sightings;
 }

@@ -20,6 +20,18 @@ struct LightSighting {
     Vec3f normal{0};          // unit, world, as lightFactors() turns it
 };
 
+/** A posed mesh that pictures show. One entry a vertex. normals: of any length; those of length 0 tell nothing. trust: weight over that of
+ *  skin. */
+struct SeenSurface {
+    std::span<const Vec3f> positions, normals;
+    std::span<const double> trust;
+    std::span<const Triangle> triangles;
+};
+
+/** Appends the sightings of one picture, in order of vertex. */
+void addLightSightings(const SeenSurface& surface, const Camerad& camera, bool moving, const FramePicture& picture,
+                       std::vector<LightSighting>& sightings);
+
 /** Sightings of vertices well inside the outline, in the frames that are no close-ups, in order of frame and vertex. Errors: a picture
  * cannot be read; Cancelled. */
 Result<std::vector<LightSighting>> lightSightings(std::span<const JointData> joints, const MeshData& mesh,

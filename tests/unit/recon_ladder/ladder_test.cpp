@@ -64,6 +64,15 @@ TEST_F(LadderTest, asItIsAgreesWithThePublicRenderer) {
     EXPECT_NEAR(cell("as_is", FrameKind::Dynamic, Split::Test).maskedPsnrDb, shownDb(poses_.frames[kMoving].pose), 0.05);
 }
 
+TEST_F(LadderTest, theLightOfTheSceneIsDrawnToo) {
+    const double unlitDb = shownDb(poses_.frames[kMoving].pose);
+    toy_.avatar.light.irradiance = {0.9f, 0.3f, 0.9f};
+    toy_.package.bytes = must(writeAvatar(toy_.avatar));
+    const double litDb = shownDb(poses_.frames[kMoving].pose);
+    EXPECT_GT(std::abs(litDb - unlitDb), 0.5);
+    EXPECT_NEAR(cell("as_is", FrameKind::Dynamic, Split::Test).maskedPsnrDb, litDb, 0.05);
+}
+
 TEST_F(LadderTest, aShapeThatTheRigCannotMakeShowsInTheSurfaceAlone) {
     // The true surface of the moving frame is taller than any pose of the rig, as cloth may be, and its picture shows it.
     AvatarData tall = toy_.avatar;
