@@ -81,7 +81,7 @@ class Place:
 @dataclasses.dataclass
 class Bench:
     name: str
-    group: str  # quick, long, gpu, unseen or web
+    group: str  # quick, long, gpu, unseen or browser
     minutes: float  # duration on two idle cores
     about: str
     command: str  # as a person would type it, for the page
@@ -503,11 +503,11 @@ BENCHES = [
           "build/release/tests/metal/bench_host demo/avatar/avatar.glb 40", ("bench_host",), take_host),
     Bench("delay", "quick", 0.1, "how late a tracked person is shown",
           "build/release/tests/unit/motion/motion_tracker_test --gtest_filter='*delayOfTheFilter*'", ("motion_tracker_test",), take_delay),
-    Bench("web", "web", 6, "WebGL2 in headless Chromium, by SwiftShader", "tools/prove-web --webgl", (), take_web),
-    Bench("web-three", "web", 6, "scenes of three.js, and other renderers of splats, in headless Chromium", "tools/prove-web --three", (),
+    Bench("web", "browser", 6, "WebGL2 in headless Chromium, by SwiftShader", "tools/prove-web --webgl", (), take_web),
+    Bench("web-three", "browser", 6, "scenes of three.js, and other renderers of splats, in headless Chromium", "tools/prove-web --three", (),
           take_web_three),
-    Bench("viewers", "web", 10, "exported files in other people's viewers, in headless Chromium", "tools/prove-viewers demo/avatar/avatar.glb", (), take_viewers),
-    Bench("viewers-live", "web", 12, "live persons among the splats of other engines, in headless Chromium", "tools/prove-viewers demo/avatar/avatar.glb --live", (),
+    Bench("viewers", "browser", 10, "exported files in other people's viewers, in headless Chromium", "tools/prove-viewers demo/avatar/avatar.glb", (), take_viewers),
+    Bench("viewers-live", "browser", 12, "live persons among the splats of other engines, in headless Chromium", "tools/prove-viewers demo/avatar/avatar.glb --live", (),
           take_viewers_live),
     Bench("load-frames", "quick", 0.5, "the longest frame while 500,000 splats load", "build/release/tools/bench/bench_load_frames 500000",
           ("bench_load_frames",), take_load_frames),

@@ -26,7 +26,7 @@ def parse(arguments):
     parser = argparse.ArgumentParser(prog="tools/bench/publish", description=__import__("__main__").__doc__, epilog=EXAMPLES,
                                      formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--only", action="append", metavar="NAME",
-                        help="a bench, or a group: quick, long, gpu, unseen, web, all (default: quick)")
+                        help="a bench, or a group: quick, long, gpu, unseen, browser, all (default: quick)")
     parser.add_argument("--list", action="store_true", help="list the benches and run nothing")
     parser.add_argument("--render-only", action="store_true", help="write the pages from the raw figures and run nothing")
     parser.add_argument("--out", type=pathlib.Path, help="folder for the pages instead of docs/ (its raw figures are still read there)")
