@@ -73,11 +73,13 @@ TEST_F(Moves, aFilmOfAllMovesLacksNone) {
 }
 
 TEST_F(Moves, theMoveThatIsNotFilmedIsNamed) {
-    const std::map<std::string, std::string> words = {
-        {"raise", "raise both arms to the side and up"}, {"elbows", "bend both elbows"},
-        {"knees", "lift one knee and then the other"},   {"twist", "twist to both sides"},
-        {"head", "turn the head to both sides"},         {"steps", "walk on the spot with long steps and swinging arms"},
-        {"turns", "turn quickly on the spot to both sides"}};
+    const std::map<std::string, std::string> words = {{"raise", "raise both arms to the side and up"},
+                                                      {"elbows", "bend both elbows"},
+                                                      {"knees", "lift one knee and then the other"},
+                                                      {"twist", "twist to both sides"},
+                                                      {"head", "turn the head to both sides"},
+                                                      {"steps", "walk on the spot with long steps and swinging arms"},
+                                                      {"turns", "turn quickly on the spot to both sides"}};
     for (const auto& [move, sentence] : words) {
         const std::vector<std::string_view> missing = missingMoves(joints_, film(move));
         ASSERT_EQ(missing.size(), 1u) << move;

@@ -174,8 +174,8 @@ class Avatar internal constructor(number: Long) : Closeable {
     }
 
     /**
-     * Blinks and glances of a face, 0 to 1, and the end of a stream, for a picture at [timeNs]: for each picture. Those of other seeds blink
-     * at other times. A stream that spoke last at [heardNs] and is silent for [holdS] seconds has stopped; 0: what was set stays. See
+     * Blinks and glances of a face, 0 to 1, and the end of a stream, for a picture at [timeNs]: for each picture. Those of other seeds
+     * blink at other times. A stream that spoke last at [heardNs] and is silent for [holdS] seconds has stopped; 0: what was set stays. See
      * dplSetFaceMotion.
      */
     @JvmOverloads
