@@ -127,6 +127,12 @@ struct ExpressionData {
     std::vector<uint32_t> ends;   // S: where the entries of a shape end; those of the next one follow
     std::vector<uint16_t> nodes;  // entries: control nodes, rising within a shape
     std::vector<Vec3f> offsetsM;  // entries: metres at weight 1, at rest
+    // The face's own nodes: firstNode and all behind it. The vertices on them, in rising order, and where the pose alone has each of these
+    // (face_nodes.h). firstNode 0: the shapes move nodes of the pose correctives, as in files of encoding 1.
+    uint32_t firstNode = 0;
+    std::vector<uint32_t> vertices;
+    std::vector<glm::u16vec4> poseIndices;
+    std::vector<glm::u8vec4> poseWeights;
 
     bool empty() const { return shapes.empty(); }
     uint32_t begin(size_t shape) const { return shape == 0 ? 0 : ends[shape - 1]; }

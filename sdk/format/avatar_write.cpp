@@ -8,6 +8,7 @@
 #include "sdk/format/correctives.h"
 #include "sdk/format/correctives_compact.h"
 #include "sdk/format/expressions.h"
+#include "sdk/format/face_nodes.h"
 #include "sdk/format/glb_builder.h"
 #include "sdk/format/motion_modes.h"
 #include "sdk/format/skinned_mesh_write.h"
@@ -55,15 +56,29 @@ Json poseCorrectives(GlbBuilder& glb, const PoseCorrectiveData& c, bool compact)
 }
 
 Json expressionsOf(GlbBuilder& glb, const AvatarData& a) {
-    const auto streams = encodeExpressions(a.expressions, a.correctives);
-    Json out = {{"encoding", 1}, {"shapes", Json::array()}};
-    for (const uint8_t shape : a.expressions.shapes) out["shapes"].push_back(kExpressionNames[shape]);
-    if (!a.correctives.followsPose()) out["nodeCount"] = a.correctives.nodeCount;
+    const ExpressionData& x = a.expressions;
+    const bool own = x.firstNode > 0;  // nodes
+    Json out = {{"encoding", own ? 2 : 1}, {"shapes", Json::array()}};
+    for (const uint8_t shape : x.shapes) out["shapes"].push_back(kExpressionNames[shape]);
+    if (own)
+        out["nodeCount"] = a.correctives.nodeCount - x.firstNode;
+    else if (!a.correctives.followsPose())
+        out["nodeCount"] = a.correctives.nodeCount;
     auto stream = [&](const char* name, const std::vector<uint8_t>& bytes) {
         if (!bytes.empty()) out["streams"][name] = glb.addView(bytes);
     };
-    stream("counts", streams.counts), stream("ranges", streams.ranges), stream("nodes", streams.nodes), stream("offsets", streams.offsets);
-    stream("vertices", streams.vertices), stream("nodeIndices", streams.nodeIndices), stream("nodeWeights", streams.nodeWeights);
+    const auto put = [&](const auto& streams) {
+        stream("counts", streams.counts), stream("ranges", streams.ranges), stream("nodes", streams.nodes);
+        stream("offsets", streams.offsets), stream("vertices", streams.vertices), stream("nodeIndices", streams.nodeIndices);
+        stream("nodeWeights", streams.nodeWeights);
+    };
+    if (!own) {
+        put(encodeExpressions(x, a.correctives));
+        return out;
+    }
+    const auto streams = encodeFace(x, a.correctives);
+    put(streams);
+    stream("alone", streams.alone), stream("aloneNodes", streams.aloneNodes);
     return out;
 }
 
@@ -115,7 +130,8 @@ Json avatarExtension(GlbBuilder& glb, const AvatarData& a, const CodedSplats& co
         ours["evidence"].push_back({{"part", e.part}, {"kept", e.kept}, {"gainDb", e.gainDb}, {"bytes", e.bytes}, {"reason", e.reason}});
 
     ours["splats"] = splatsOf(glb, a, coded, compact);
-    if (a.correctives.followsPose()) ours["poseCorrectives"] = poseCorrectives(glb, a.correctives, compact);
+    if (a.correctives.followsPose())
+        ours["poseCorrectives"] = poseCorrectives(glb, withoutFaceNodes(a.correctives, a.expressions), compact);
     if (!a.expressions.empty()) ours["expressions"] = expressionsOf(glb, a);
     if (!a.light.empty()) ours["light"] = {{"encoding", 1}, {"irradiance", a.light.irradiance}};
     if (!a.captureMap.empty())

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstring>
 
+#include "sdk/format/face_nodes.h"
 #include "sdk/format/plain_bytes.h"
 
 namespace dpl {
@@ -53,12 +54,19 @@ Status checkExpressions(const ExpressionData& x, const PoseCorrectiveData& c) {
                                 x.offsetsM[e][axis], kMostExpressionM);
         }
     }
-    return {};
+    return checkFaceNodes(x, c);
 }
 
 void dropPoseModes(PoseCorrectiveData& c, ExpressionData& x) {
     PoseCorrectiveData out;
-    if (!x.empty()) {
+    if (x.firstNode > 0) {
+        const std::vector<FaceVertex> vertices = faceVertices(x, c);
+        for (uint16_t& node : x.nodes) node = uint16_t(node - x.firstNode);
+        const uint32_t nodeCount = c.nodeCount - x.firstNode;
+        shareFaceNodes(x);
+        (void)bindToFace(vertices, nodeCount, c.nodeIndices.size(), out, x);  // the vertices have passed the same checks
+        for (uint16_t& node : x.nodes) node = uint16_t(node + x.firstNode);
+    } else if (!x.empty()) {
         std::vector<uint16_t> nodeOf(c.nodeCount, 0);  // node 0 never moves
         for (const uint16_t node : x.nodes) nodeOf[node] = 1;
         out.nodeCount = 1;

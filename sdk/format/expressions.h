@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Expressions as data: checks of their arrays, and their streams in a file, encoding 1 (docs/formats/avatar.md).
+// Expressions as data: checks of their arrays, and their streams in a file, encoding 1 (docs/formats/avatar.md): of shapes that move the
+// nodes of the pose correctives. Those with nodes of their own: face_nodes.h.
 #pragma once
 
 #include <cstdint>

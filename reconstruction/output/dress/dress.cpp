@@ -19,6 +19,7 @@
 #include "sdk/core/task.h"
 #include "sdk/format/avatar_file.h"
 #include "sdk/format/correctives.h"
+#include "sdk/format/face_nodes.h"
 
 namespace dpl {
 namespace {
@@ -245,6 +246,7 @@ Result<Dressed> dressAvatar(const NamedAvatar& wearer, std::span<const Garment> 
     AvatarData& avatar = out.avatar;
     avatar = wearer.avatar;
     PoseCorrectiveData& correctives = avatar.correctives;
+    shareFaceNodes(avatar.expressions);  // new layers follow nodes of the face too
     // Nodes of expressions alone begin with one that never moves.
     const auto zeroNode = uint16_t(correctives.followsPose() ? correctives.nodeCount : 0);
     if (correctives.followsPose()) {

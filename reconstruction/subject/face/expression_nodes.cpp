@@ -7,6 +7,7 @@
 #include "reconstruction/subject/shape/surface_graph.h"
 #include "sdk/format/correctives.h"
 #include "sdk/format/expressions.h"
+#include "sdk/format/face_nodes.h"
 #include "sdk/format/skin_weights.h"
 
 namespace dpl {
@@ -105,11 +106,19 @@ std::vector<PackedWeights> bindPlaces(const SurfaceGraph& graph, std::span<const
     return packed;
 }
 
-Vec4f columnAt(const PoseCorrectiveData& c, size_t vertex, uint32_t column) {
-    Vec4f sum(0);
-    for (int k = 0; k < 4; ++k)
-        sum += float(c.nodeWeights[vertex][k]) / 255.0f * c.nodes[size_t(c.nodeIndices[vertex][k]) * c.columnCount() + column];
-    return sum;
+/** Largest change of an offset at a vertex of the face by a pose corrective, at coefficients of `reach`. */
+float correctivesOffM(const PoseCorrectiveData& before, const PoseCorrectiveData& after, std::span<const uint32_t> vertices) {
+    const auto offsetAt = [](const PoseCorrectiveData& c, uint32_t v, uint32_t column) {
+        Vec3f sum(0);
+        for (int k = 0; k < 4; ++k)
+            sum += float(c.nodeWeights[v][k]) / 255.0f * Vec3f(c.nodes[size_t(c.nodeIndices[v][k]) * c.columnCount() + column]);
+        return sum;
+    };
+    float off = 0;
+    for (const uint32_t v : vertices)
+        for (uint32_t column = 0; column < after.columnCount(); ++column)
+            off = std::max(off, after.reach * glm::length(offsetAt(after, v, column) - offsetAt(before, v, column)));
+    return off;
 }
 
 }  // namespace
@@ -142,29 +151,20 @@ Result<ExpressionNodesReport> addExpressions(AvatarData& avatar, std::span<const
     ExpressionNodesReport report{.nodes = uint32_t(nodes.size())};
     if (nodes.empty()) return report;
     PoseCorrectiveData& c = avatar.correctives;
+    ExpressionData& x = avatar.expressions;
     const PoseCorrectiveData before = c;
-    if (c.empty()) {
-        c.nodeCount = 1;  // node 0 never moves
-        c.nodeIndices.assign(vertexCount, glm::u16vec4(0)), c.nodeWeights.assign(vertexCount, glm::u8vec4(255, 0, 0, 0));
-    }
-    const uint32_t first = c.nodeCount;
-    if (first + nodes.size() > kMaxCorrectiveNodes)
-        return fail(Code::InvalidArgument, "{} control nodes for expressions beside {}; a file holds {}", nodes.size(), first,
-                    kMaxCorrectiveNodes);
-    c.nodeCount += uint32_t(nodes.size());
-    for (const uint32_t node : nodes)
-        for (uint32_t column = 0; column < c.columnCount(); ++column) c.nodes.push_back(columnAt(before, vertexAt[node], column));
-    for (size_t v = 0; v < vertexCount; ++v) {
+    std::vector<FaceVertex> vertices;
+    for (uint32_t v = 0; v < vertexCount; ++v) {
         if (!movedPlace[graph.mergedOf[v]]) continue;
         const PackedWeights& to = bound[graph.mergedOf[v]];
-        for (int k = 0; k < 4; ++k) c.nodeIndices[v][k] = to.weights[k] == 0 ? uint16_t(first) : uint16_t(first + to.joints[k]);
-        c.nodeWeights[v] = to.weights;
-        for (uint32_t column = 0; column < c.columnCount(); ++column)
-            report.correctivesOffM =
-                std::max(report.correctivesOffM, c.reach * glm::length(Vec3f(columnAt(c, v, column)) - Vec3f(columnAt(before, v, column))));
+        FaceVertex& made = vertices.emplace_back(FaceVertex{v, glm::u16vec4(0), to.weights});
+        for (int k = 0; k < 4; ++k) made.nodes[k] = to.weights[k] == 0 ? uint16_t(0) : uint16_t(to.joints[k]);
     }
+    if (const Status fits = bindToFace(vertices, uint32_t(nodes.size()), vertexCount, c, x); !fits)
+        return fail(Code::InvalidArgument, "{}", fits.error().message);
+    const uint32_t first = x.firstNode;
+    report.correctivesOffM = correctivesOffM(before, c, x.vertices);
 
-    ExpressionData& x = avatar.expressions;
     std::vector<Vec3f> nodeOffset(nodes.size());
     for (const ExpressionShape& shape : shapes) {
         for (size_t n = 0; n < nodes.size(); ++n) {

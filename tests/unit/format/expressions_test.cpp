@@ -4,9 +4,11 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <functional>
 
 #include "sdk/format/avatar_file.h"
+#include "sdk/format/face_nodes.h"
 #include "tests/not_finite.h"
 #include "tests/unit/format/glb_parts.h"
 #include "tests/unit/format/sample_avatars.h"
@@ -22,6 +24,11 @@ AvatarData plainFace() {
 }
 AvatarData correctedFace() {
     return test::withExpressions(test::withCorrectives(test::layeredAvatar(1, 1, 8, 3), 1, {.modes = 2, .nodes = 9}), 4, 6);
+}
+
+AvatarData ownFace(bool corrected) {
+    const AvatarData plain = test::layeredAvatar(1, 1, 8, 3);
+    return test::withOwnFace(corrected ? test::withCorrectives(plain, 1, {.modes = 2, .nodes = 9}) : plain, 4);
 }
 
 ReadLimits withoutHash() {
@@ -72,9 +79,9 @@ TEST(Expressions, anAvatarWithoutThemKeepsItsBytes) {
 }
 
 TEST(Expressions, ofANewerEncodingAreLeftOutAndTheAvatarIsRead) {
-    for (const AvatarData& avatar : {plainFace(), correctedFace()}) {
+    for (const AvatarData& avatar : {plainFace(), correctedFace(), ownFace(false), ownFace(true)}) {
         GlbParts parts = test::split(*writeAvatar(avatar));
-        extensionOf(parts)["expressions"] = {{"encoding", 2}, {"streams", "of another kind"}};
+        extensionOf(parts)["expressions"] = {{"encoding", 3}, {"streams", "of another kind"}};
         const auto read = readAvatar(parts.bytes(), withoutHash());
         ASSERT_TRUE(read) << read.error().message;
         EXPECT_TRUE(read->expressions.empty());
@@ -167,6 +174,110 @@ TEST(Expressions, damagedOnesAreRefused) {
     refused(correctedFace(), beside);
 }
 
+TEST(Expressions, onNodesOfTheirOwnSurviveAFileWithinAHalfOfAStep) {
+    for (const bool corrected : {false, true}) {
+        const AvatarData avatar = ownFace(corrected);
+        ASSERT_GT(avatar.expressions.firstNode, 0u);
+        const auto bytes = writeAvatar(avatar);
+        ASSERT_TRUE(bytes) << bytes.error().message;
+        const auto read = readAvatar(*bytes);
+        ASSERT_TRUE(read) << read.error().message;
+        const ExpressionData &a = avatar.expressions, &b = read->expressions;
+        EXPECT_EQ(b.shapes, a.shapes);
+        EXPECT_EQ(b.ends, a.ends);
+        EXPECT_EQ(b.nodes, a.nodes);
+        EXPECT_EQ(b.firstNode, a.firstNode);
+        EXPECT_EQ(b.vertices, a.vertices);
+        EXPECT_EQ(b.poseIndices, a.poseIndices);
+        EXPECT_EQ(b.poseWeights, a.poseWeights);
+        EXPECT_EQ(read->correctives.nodeIndices, avatar.correctives.nodeIndices);
+        EXPECT_EQ(read->correctives.nodeWeights, avatar.correctives.nodeWeights);
+        ASSERT_EQ(b.offsetsM.size(), a.offsetsM.size());
+        for (size_t s = 0; s < a.shapes.size(); ++s)
+            for (uint32_t e = a.begin(s); e < a.ends[s]; ++e)
+                for (int axis = 0; axis < 3; ++axis)
+                    EXPECT_NEAR(b.offsetsM[e][axis], a.offsetsM[e][axis],
+                                s % 2 ? 0.045f / 32767 * 1.01f : 0.5f * kByteRangeM / 127 * 1.01f);
+        EXPECT_EQ(*writeAvatar(*read), *bytes) << "what was read is written as it was";
+    }
+}
+
+TEST(Expressions, onNodesOfTheirOwnLeaveThePoseCorrectivesOfTheFileAlone) {
+    const AvatarData plain = test::withCorrectives(test::layeredAvatar(1, 1, 8, 3), 1, {.modes = 2, .nodes = 9});
+    const std::vector<uint8_t> bytes = *writeAvatar(ownFace(true));
+    GlbParts parts = test::split(bytes);
+    extensionOf(parts)["expressions"]["encoding"] = 3;  // as a reader sees them that does not know ours
+    const auto without = readAvatar(parts.bytes(), withoutHash()), want = readAvatar(*writeAvatar(plain)), face = readAvatar(bytes);
+    ASSERT_TRUE(without && want && face);
+    EXPECT_EQ(without->correctives.nodes, want->correctives.nodes);
+    EXPECT_EQ(without->correctives.nodeIndices, want->correctives.nodeIndices);
+    EXPECT_EQ(without->correctives.nodeWeights, want->correctives.nodeWeights);
+    // A node of the face has what the pose does to its vertex; other vertices keep their nodes.
+    const auto column = [](const PoseCorrectiveData& c, uint32_t v, uint32_t i) {
+        Vec4f sum(0);
+        for (int k = 0; k < 4; ++k) sum += float(c.nodeWeights[v][k]) / 255.0f * c.nodes[size_t(c.nodeIndices[v][k]) * c.columnCount() + i];
+        return sum;
+    };
+    const ExpressionData& x = face->expressions;
+    for (uint32_t v = 0; v < face->mesh.restPositions.size(); ++v) {
+        const bool moves = std::binary_search(x.vertices.begin(), x.vertices.end(), v);
+        if (!moves) {
+            EXPECT_EQ(face->correctives.nodeIndices[v], want->correctives.nodeIndices[v]);
+        }
+        for (uint32_t i = 0; i < 2 && (!moves || face->correctives.nodeWeights[v][0] == 255); ++i)
+            EXPECT_EQ(column(face->correctives, v, i), column(want->correctives, v, i)) << v;
+    }
+}
+
+TEST(Expressions, damagedNodesOfTheirOwnAreRefused) {
+    struct Damage {
+        const char* what;
+        const char* stream;
+        size_t at;  // byte
+        std::vector<uint8_t> bytes;
+    };
+    const std::vector<uint8_t> good = *writeAvatar(ownFace(true));
+    ASSERT_TRUE(readAvatar(test::split(good).bytes(), withoutHash()));
+    const auto refused = [&](const char* what, const std::function<void(GlbParts&, nlohmann::json&)>& damage) {
+        GlbParts parts = test::split(good);
+        damage(parts, extensionOf(parts)["expressions"]);
+        const auto read = readAvatar(parts.bytes(), withoutHash());
+        ASSERT_FALSE(read) << what << " was accepted";
+        EXPECT_EQ(int(read.error().code), int(Code::CorruptData)) << what << ": " << read.error().message;
+    };
+    for (const Damage& d : std::vector<Damage>{{"a count of 4 billion", "counts", 0, {255, 255, 255, 255}},
+                                               {"a count too small", "counts", 4, {0, 0, 0, 0}},
+                                               {"a range NaN", "ranges", 0, {0, 0, 0xc0, 0x7f}},
+                                               {"a range below 0", "ranges", 0, {0, 0, 0, 0xbf}},
+                                               {"a range of a metre", "ranges", 4, {0, 0, 0x80, 0x3f}},
+                                               {"a small range that was a large one", "ranges", 4, {0, 0, 0, 0x3a}},
+                                               {"node 65535", "nodes", 0, {255, 255}},
+                                               {"nodes out of order", "nodes", 2, {0, 0}},
+                                               {"vertex 4 billion", "alone", 0, {255, 255, 255, 255}},
+                                               {"a vertex twice", "alone", 4, {1, 0, 0, 0}},
+                                               {"a node without a vertex", "aloneNodes", 0, {0, 0}},
+                                               {"a vertex on node 65535", "aloneNodes", 0, {255, 255}},
+                                               {"a vertex among several on node 65535", "nodeIndices", 6, {255, 255}},
+                                               {"weights that do not sum to 255", "nodeWeights", 0, {1}},
+                                               {"one node among several", "nodeWeights", 0, {255, 0, 0, 0}}})
+        refused(d.what, [&](GlbParts& p, nlohmann::json& face) {
+            std::copy(d.bytes.begin(), d.bytes.end(), p.view(face["streams"][d.stream]).begin() + ptrdiff_t(d.at));
+        });
+    for (const char* stream : {"counts", "ranges", "nodes", "offsets", "alone", "aloneNodes", "vertices", "nodeIndices", "nodeWeights"}) {
+        refused(stream, [&](GlbParts&, nlohmann::json& face) { face["streams"].erase(stream); });
+        refused(stream, [&](GlbParts& p, nlohmann::json& face) {
+            auto& view = p.json["bufferViews"][face["streams"][stream].get<size_t>()];
+            view["byteLength"] = view["byteLength"].get<size_t>() - 1;
+        });
+    }
+    refused("no nodeCount", [](GlbParts&, nlohmann::json& face) { face.erase("nodeCount"); });
+    refused("no nodes", [](GlbParts&, nlohmann::json& face) { face["nodeCount"] = 0; });
+    refused("a node fewer", [](GlbParts&, nlohmann::json& face) { face["nodeCount"] = face["nodeCount"].get<int>() - 1; });
+    refused("a node more", [](GlbParts&, nlohmann::json& face) { face["nodeCount"] = face["nodeCount"].get<int>() + 1; });
+    refused("a million nodes", [](GlbParts&, nlohmann::json& face) { face["nodeCount"] = 1000000; });
+    refused("encoding 1", [](GlbParts&, nlohmann::json& face) { face["encoding"] = 1; });
+}
+
 TEST(Expressions, noPartOfAFileIsAWholeOne) {
     const std::vector<uint8_t> good = *writeAvatar(test::withExpressions(test::tinyAvatar(), 1, 3));
     for (size_t size = 0; size < good.size(); ++size) ASSERT_FALSE(readAvatar(std::span(good).first(size), withoutHash())) << size;
@@ -188,12 +299,26 @@ TEST(Expressions, impossibleOnesAreNotWritten) {
         refused("ends that fall", good, [](AvatarData& a) { std::swap(a.expressions.ends[0], a.expressions.ends[1]); });
         refused("a node that is not there", good, [](AvatarData& a) { a.expressions.nodes[a.expressions.ends[0] - 1] = 9; });
     }
+    for (const AvatarData& good : {ownFace(false), ownFace(true)}) {
+        refused("no first node", good, [](AvatarData& a) { a.expressions.firstNode = 0; });
+        refused("another first node", good, [](AvatarData& a) { ++a.expressions.firstNode; });
+        refused("vertices out of order", good, [](AvatarData& a) { std::swap(a.expressions.vertices[0], a.expressions.vertices[1]); });
+        refused("a vertex too few", good, [](AvatarData& a) {
+            a.expressions.vertices.pop_back(), a.expressions.poseIndices.pop_back(), a.expressions.poseWeights.pop_back();
+        });
+        refused("a pose that knows the face", good,
+                [](AvatarData& a) { a.expressions.poseIndices[0].x = uint16_t(a.expressions.firstNode); });
+        refused("a node of the pose", good, [](AvatarData& a) { a.expressions.nodes[0] = uint16_t(a.expressions.firstNode - 1); });
+    }
     refused("nodes for nothing", plainFace(), [](AvatarData& a) { a.expressions = {}; });
     refused("no nodes", plainFace(), [](AvatarData& a) { a.correctives = {}; });
 }
 
-TEST(Expressions, outliveTheModesOfThePose) {
-    AvatarData avatar = correctedFace();
+class ExpressionsWithoutPose : public ::testing::TestWithParam<bool> {};
+INSTANTIATE_TEST_SUITE_P(NodesOfTheirOwn, ExpressionsWithoutPose, ::testing::Bool());
+
+TEST_P(ExpressionsWithoutPose, outliveTheModesOfThePose) {
+    AvatarData avatar = GetParam() ? ownFace(true) : correctedFace();
     const AvatarData before = avatar;
     dropPoseModes(avatar.correctives, avatar.expressions);
     EXPECT_FALSE(avatar.correctives.followsPose());
