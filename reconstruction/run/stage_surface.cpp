@@ -7,6 +7,7 @@
 #include "reconstruction/run/settings_json.h"
 #include "reconstruction/run/stage_body_fit.h"
 #include "reconstruction/run/stage_ingest.h"
+#include "reconstruction/subject/body/landmark_offsets.h"
 #include "reconstruction/subject/surface/fit_surface.h"
 #include "sdk/core/files.h"
 
@@ -24,6 +25,23 @@ Result<std::vector<Vec3f>> readVectors(const std::filesystem::path& path, size_t
     std::vector<Vec3f> values(count);
     std::memcpy(static_cast<void*>(values.data()), bytes.data(), bytes.size());
     return values;
+}
+
+/** Eyes and nose in one picture. Ears, head top and limbs lie below hair, below cloth or within, so that a surface need not follow them. */
+Result<std::vector<SurfaceMark>> marksOf(const Scan& scan, size_t row, const FittedBody& body) {
+    std::vector<SurfaceMark> marks;
+    const ScanFrame& frame = scan.frames[row];
+    if (frame.keypointsPath.empty() || !body.fit.fitted[row] || body.fit.swapped[row]) return marks;
+    DPL_TRY(const std::vector<Keypoint> seen, readKeypoints(scan, frame));
+    for (size_t k = 0; k < scan.keypointNames.size(); ++k) {
+        const std::string& name = scan.keypointNames[k];
+        if ((name != "nose" && name != "eye_l" && name != "eye_r") || !(seen[k].confidence > 0)) continue;
+        const Vec3f seenAt = scan.keypointsFound ? Vec3f(foundLandmarkOffset(name)) : Vec3f(0);
+        for (const BodyKeypoint& keypoint : body.shaped.keypoints)
+            if (keypoint.name == name && keypoint.joints.empty())
+                marks.push_back({keypoint.vertices, seenAt, seen[k].px, float(seen[k].confidence)});
+    }
+    return marks;
 }
 
 }  // namespace
@@ -49,7 +67,8 @@ Status StageOf<FittedSurface>::make(StageInputs& in, StageContext& context) {
     std::vector<SurfaceView> views;
     for (const size_t row : table->silhouetteRows()) {
         DPL_TRY(const auto picture, table->picture(row));
-        views.push_back({metric->cameras[row], picture->mask, body->poses[row]});
+        DPL_TRY(auto marks, marksOf(table->scan, row, *body));
+        views.push_back({metric->cameras[row], picture->mask, body->poses[row], std::move(marks)});
     }
     if (views.empty())
         return fail(Code::InvalidArgument, "no still training frame has a mask; add masks, or let networks find the person: {}",

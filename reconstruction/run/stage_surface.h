@@ -17,7 +17,7 @@ struct FittedSurface {
 
 template <>
 struct StageOf<FittedSurface> {
-    static constexpr StageName kName{"surface", 1};
+    static constexpr StageName kName{"surface", 2};
     static constexpr const char* kPriors[] = {"input/cameras", "input/capture", "subject/surface"};
     static Status inputs(StageInputs& in);
     static Status make(StageInputs& in, StageContext& context);

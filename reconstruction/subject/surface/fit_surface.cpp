@@ -21,6 +21,7 @@ namespace {
 
 constexpr double kTurnShare = 0.03;   // turnPx of matchContours(), as a share of the picture's height
 constexpr double kReachShare = 0.25;  // reachPx of matchContours(), as a share of the picture's height; longer pulls are wrong matches
+constexpr double kHiddenM = 0.03;     // a mark this far behind what the picture shows there is hidden
 constexpr double kStep = 0.8;         // share of the smoothed pull by which a round moves the surface
 /** Share of an offset's difference from its neighbours' mean that a round removes. A higher value pulls sleeves and hems inwards. */
 constexpr double kRelax = 0.03;
@@ -47,6 +48,9 @@ Status checkInput(const MeshData& mesh, std::span<const JointData> joints, std::
             return fail(Code::InvalidArgument, "the mask of view {} is {} x {}, its camera {} x {}", i, view.mask.widthPx,
                         view.mask.heightPx, view.camera.widthPx, view.camera.heightPx);
         DPL_RETURN_IF_ERROR(checkPose(joints, view.pose));
+        for (const SurfaceMark& mark : view.marks)
+            for (const auto& [v, weight] : mark.vertices)
+                if (v >= count) return fail(Code::InvalidArgument, "a mark of view {} lies on vertex {} of {}", i, v, count);
     }
     return {};
 }
@@ -83,7 +87,8 @@ std::vector<double> posedIou(const MeshData& mesh, std::span<const JointData> jo
 /** Pulls of one view, and the translation parallel to its picture that fits its outline best. */
 class ViewPulls {
 public:
-    ViewPulls(const MeshData& mesh, const SurfaceView& view, const PosedView& posed, std::span<const ContourPoint> target)
+    ViewPulls(const MeshData& mesh, const SurfaceView& view, const PosedView& posed, std::span<const ContourPoint> target,
+              std::span<const uint32_t> carrier)
         : mesh_(mesh), view_(view), posed_(posed), image_(rasteriseMesh(posed.positions, mesh.triangles, view.camera)) {
         const uint32_t width = view.camera.widthPx, height = view.camera.heightPx;
         std::vector<uint8_t> inside(image_.triangle.size());
@@ -95,6 +100,7 @@ public:
             if (toTarget[i] != UINT32_MAX) pull(outline[i], target[toTarget[i]].px - outline[i].px);
         for (size_t i = 0; i < target.size(); ++i)
             if (toMesh[i] != UINT32_MAX) pull(outline[toMesh[i]], target[i].px - outline[toMesh[i]].px);
+        for (const SurfaceMark& mark : view.marks) pull(mark, carrier);
     }
     std::vector<Pull> take() { return std::move(pulls_); }
     /** Least squares over the outline: Σ n nᵀ t = Σ n (n·way), at the mean depth of the outline; world, metres. */
@@ -122,14 +128,32 @@ private:
         const double off = glm::dot(wayPx, at.normal);
         nxx_ += at.normal.x * at.normal.x, nxy_ += at.normal.x * at.normal.y, nyy_ += at.normal.y * at.normal.y;
         rx_ += at.normal.x * off, ry_ += at.normal.y * off, depth_ += depth, count_ += 1;
-        const Vec3d inView(way.x * depth / c.fx, way.y * depth / c.fy, 0);
-        const Vec3f inWorld(glm::transpose(c.viewFromWorldRotation) * inView);
         const Triangle& t = mesh_.triangles[image_.triangle[at.inside]];
-        for (int k = 0; k < 3; ++k) {  // equal weights suffice: the smoothing is wider than a triangle
-            const Mat3f& linear = posed_.linear[t[k]];
-            if (!(std::abs(glm::determinant(linear)) > 0.05f)) continue;  // opposing rotations cancel: not invertible
-            pulls_.push_back({t[k], 1.0f, glm::inverse(linear) * inWorld});
-        }
+        for (int k = 0; k < 3; ++k) pullVertex(t[k], way, depth, 1);  // equal weights suffice: the smoothing is wider than a triangle
+    }
+
+    void pull(const SurfaceMark& mark, std::span<const uint32_t> carrier) {
+        Vec3f place(0);
+        for (const auto& [v, weight] : mark.vertices) place += weight * (posed_.positions[v] + posed_.linear[v] * mark.seenAtM);
+        const Camerad& c = view_.camera;
+        const Vec3d inView = c.toView(Vec3d(place));
+        if (!(inView.z > kHiddenM)) return;
+        const Vec2d at = c.pixelOf(inView);
+        if (!(at.x >= 0 && at.y >= 0 && at.x < c.widthPx && at.y < c.heightPx)) return;
+        const size_t pixel = size_t(at.y) * c.widthPx + size_t(at.x);
+        if (image_.triangle[pixel] == kNoTriangle || inView.z > image_.depthM[pixel] + kHiddenM) return;
+        const Vec2d way = mark.px - at;
+        const double far = glm::length(way) * inView.z / (c.fx * priors::kMarkReachM), trust = 1 / ((1 + far * far) * (1 + far * far));
+        for (const auto& [v, weight] : mark.vertices)
+            pullVertex(carrier[v], way, inView.z, float(priors::kMarkWeight * trust) * mark.confidence * weight);
+    }
+
+    void pullVertex(uint32_t v, const Vec2d& wayPx, double depthM, float weight) {
+        const Mat3f& linear = posed_.linear[v];
+        if (!(std::abs(glm::determinant(linear)) > 0.05f)) return;  // opposing rotations cancel: not invertible
+        const Camerad& c = view_.camera;
+        const Vec3d inView(wayPx.x * depthM / c.fx, wayPx.y * depthM / c.fy, 0);
+        pulls_.push_back({v, weight, weight * (glm::inverse(linear) * Vec3f(glm::transpose(c.viewFromWorldRotation) * inView))});
     }
 };
 
@@ -234,7 +258,7 @@ private:
         jobs_.forBlocks(views_.size(), [&](size_t i, uint32_t) {
             if (targets_[i].empty()) return;
             const PosedView posed = poseVertices(mesh_, joints_, offsets_, poses_[i]);
-            ViewPulls view(mesh_, views_[i], posed, targets_[i]);
+            ViewPulls view(mesh_, views_[i], posed, targets_[i], carrier_);
             translations[i] = view.translation();
             pulls[i] = view.take();
         });

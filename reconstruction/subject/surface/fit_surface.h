@@ -5,8 +5,9 @@
 // mask point, and each mask point pulls the nearest mesh point. The second direction reaches things such as a bag in a hand. Each pull
 // is placed in space at the mesh's depth, transformed back to the rest pose, and spread over the surface by
 //     δ = M⁻²(Σ w d) / (M⁻²(Σ w) + ε),   M = I + λL  (LargeSteps, reconstruction/subject/shape)
-// This normalised convolution has a smoothing length that shrinks from level to level. In the second half of the levels each view also gets
-// a small translation of its own, because the subject sways by a centimetre between pictures. docs/reference/registration.md
+// Marks such as the eyes pull likewise, each as hard as a stretch of outline. This normalised convolution has a smoothing length that
+// shrinks from level to level. In the second half of the levels each view also gets a small translation of its own, because the subject
+// sways by a centimetre between pictures. docs/reference/registration.md
 #pragma once
 
 #include <span>
@@ -18,11 +19,21 @@
 
 namespace dpl {
 
+/** A point of the surface that a picture shows: an eye, the tip of the nose. Outlines alone would let the surface slide along beneath it.
+ */
+struct SurfaceMark {
+    std::vector<std::pair<uint32_t, float>> vertices;  // their weighted mean is the point; weights sum to 1
+    Vec3f seenAtM{0};                                  // from there to where the picture's point lies, at rest
+    Vec2d px{0};                                       // the picture's point
+    float confidence = 1;                              // 0 to 1
+};
+
 /** One still picture of the training split. The camera is metric; the mask has the camera's size, person ≥ 128. */
 struct SurfaceView {
     Camerad camera;
     ImageGrey8 mask;
     Pose pose;  // for the rig, including this frame's sway
+    std::vector<SurfaceMark> marks = {};
 };
 
 struct SurfaceFitSettings {

@@ -61,8 +61,15 @@ MeshData clothed() {
     });
 }
 
-std::vector<SurfaceView> views(int count) {
-    const MeshData truth = clothed();
+/** Taller by a hat of up to 18 cm; below 1.25 m nothing differs. */
+MeshData hatted() {
+    MeshData m = bare();
+    for (Vec3f& p : m.restPositions)
+        if (p.y > 1.25f) p.y += 0.18f * (p.y - 1.25f) / 0.35f;
+    return m;
+}
+
+std::vector<SurfaceView> views(int count, const MeshData& truth = clothed()) {
     std::vector<SurfaceView> out;
     Jobs jobs(1);
     for (int i = 0; i < count; ++i) {
@@ -111,6 +118,63 @@ TEST(FitSurface, fillsTheMasksAndFindsTheTrueShape) {
     EXPECT_LT(mean, 0.012);
     EXPECT_LT(worst, 0.05);
     EXPECT_GT(fit->largestOffsetM, 0.1) << "the bump of 15 cm is reached";
+}
+
+/** Lets every view mark where the true vertex is, whether or not it sees it. */
+void mark(std::vector<SurfaceView>& views, const MeshData& truth, uint32_t vertex) {
+    Jobs jobs(1);
+    for (SurfaceView& view : views) {
+        std::vector<Mat3x4f> worldFromRest;
+        std::vector<Vec3f> posed;
+        jointTransforms(joints(), view.pose, worldFromRest);
+        skin(truth, worldFromRest, jobs, posed);
+        view.marks.push_back({{{vertex, 1.0f}}, Vec3f(0), view.camera.pixelOf(view.camera.toView(Vec3d(posed[vertex]))), 1});
+    }
+}
+
+TEST(FitSurface, marksKeepTheFaceFromSlidingBelowAHat) {
+    const MeshData mesh = bare(), truth = hatted();
+    const uint32_t eye = 32 * kSides;  // in front, 1.2 m up
+    ASSERT_LT(mesh.restPositions[eye].y, 1.25f);
+    ASSERT_GT(mesh.restPositions[eye].y, 1.15f);
+    const auto rig = joints();
+    Jobs jobs(2);
+    auto shots = views(24, truth);
+    const auto slides = fitSurface(mesh, rig, shots, {}, jobs);
+    mark(shots, truth, eye);
+    const auto held = fitSurface(mesh, rig, shots, {}, jobs);
+    ASSERT_TRUE(slides && held);
+    EXPECT_GT(glm::length(slides->restOffsets[eye]), 0.020f) << "else this test shows nothing";
+    EXPECT_LT(glm::length(held->restOffsets[eye]), 0.008f);
+    EXPECT_GT(held->meanIouAfter, slides->meanIouAfter - 0.001) << "the outline is filled as well as without marks";
+}
+
+TEST(FitSurface, marksOfTheFarSideAndMistakesMoveNothing) {
+    const MeshData mesh = clothed();
+    const auto rig = joints();
+    Jobs jobs(2);
+    auto shots = views(12);
+    mark(shots, mesh, 32 * kSides);
+    for (SurfaceView& view : shots) {
+        const Vec3d front = glm::transpose(view.camera.viewFromWorldRotation) * Vec3d(0, 0, -1);
+        if (front.z < -0.3) view.marks.front().px += Vec2d(9, -7);  // seen from behind, so the network guesses
+        if (front.z > 0.3) view.marks.front().px += Vec2d(0, 60);   // 70 cm off
+    }
+    const auto fit = fitSurface(mesh, rig, shots, {}, jobs);
+    ASSERT_TRUE(fit) << fit.error().message;
+    EXPECT_LT(fit->largestOffsetM, 0.001);
+}
+
+TEST(FitSurface, refusesMarksOnVerticesThatAreNotThere) {
+    auto shots = views(2);
+    const MeshData mesh = bare();
+    const auto rig = joints();
+    Jobs jobs(1);
+    mark(shots, mesh, 5);
+    shots[1].marks[0].vertices = {{uint32_t(mesh.restPositions.size()), 1.0f}};
+    const auto refused = fitSurface(mesh, rig, shots, {}, jobs);
+    ASSERT_FALSE(refused);
+    EXPECT_NE(refused.error().message.find("view 1"), std::string::npos) << refused.error().message;
 }
 
 TEST(FitSurface, sameBytesOnAnyNumberOfThreads) {
