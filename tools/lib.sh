@@ -135,21 +135,26 @@ bare_root() {
     chmod +x "$root/usr/sbin/policy-rc.d"
     echo force-unsafe-io >"$root/etc/dpkg/dpkg.cfg.d/unsafe-io"  # faster; a root need not survive a power cut
     cp /etc/resolv.conf "$root/etc/resolv.conf" 2>/dev/null || true
+    # Behind a proxy that signs for others, programs need the certificates that this machine was told to trust.
+    [ ! -f "${SSL_CERT_FILE:-}" ] || cp "$SSL_CERT_FILE" "$root/etc/machine-certificates.pem"
     for f in /etc/apt/apt.conf.d/*proxy* /etc/apt/apt.conf; do [ -f "$f" ] && cp "$f" "$root/etc/apt/apt.conf.d/" || true; done
 }
 
 # in_root ROOT FOLDER COMMAND: runs it in a root of bare_root, in a private mount namespace, so that nothing stays mounted afterwards,
 # whatever happens inside. $cache and $archives, if set, are folders for ccache and for the packages that apt downloads.
 in_root() {
+    local certificates=""
     mkdir -p "$1/ccache"
-    ROOT="$1" FOLDER="$2" COMMAND="$3" CACHE="${cache:-}" ARCHIVES="${archives:-}" unshare --mount bash -c '
+    [ ! -f "$1/etc/machine-certificates.pem" ] ||
+        certificates="SSL_CERT_FILE=/etc/machine-certificates.pem NODE_EXTRA_CA_CERTS=/etc/machine-certificates.pem"
+    ROOT="$1" FOLDER="$2" COMMAND="$3" CACHE="${cache:-}" ARCHIVES="${archives:-}" CERTIFICATES="$certificates" unshare --mount bash -c '
         set -e
         mount -t proc proc "$ROOT/proc"
         mount --rbind /dev "$ROOT/dev"
         if [ -n "$CACHE" ]; then mkdir -p "$CACHE"; mount --bind "$CACHE" "$ROOT/ccache"; fi
         if [ -n "$ARCHIVES" ]; then mkdir -p "$ARCHIVES/partial"; mount --bind "$ARCHIVES" "$ROOT/var/cache/apt/archives"; fi
         exec chroot "$ROOT" /usr/bin/env -i HOME=/root PATH=/usr/local/bin:/usr/sbin:/usr/bin:/sbin:/bin TERM=dumb CCACHE_DIR=/ccache \
-            ${http_proxy:+http_proxy="$http_proxy"} ${https_proxy:+https_proxy="$https_proxy"} \
+            ${http_proxy:+http_proxy="$http_proxy"} ${https_proxy:+https_proxy="$https_proxy"} $CERTIFICATES \
             bash -c "cd $FOLDER && $COMMAND"' </dev/null
 }
 
