@@ -26,13 +26,6 @@ namespace {
 constexpr size_t kTuckedPoses = 64;  // of training, at most
 constexpr int kMostMends = 3;
 
-/** Training shortens edges, so garments may tear again. Mended here, they load as they are written: rounding to 1/255 may leave an edge
- *  that a reader would mend once more. */
-void mendGarments(AvatarData& avatar) {
-    for (int round = 0; round < kMostMends && boundGarments(avatar.joints, avatar.mesh).evened > 0; ++round) {
-    }
-}
-
 /** Clothes that sink into unseen skin in stress poses or in those of training stay outside it. */
 Status tuckUnseenBody(AssembledAvatar& assembled, Jobs& jobs) {
     AvatarData& avatar = assembled.avatar;
@@ -45,6 +38,11 @@ Status tuckUnseenBody(AssembledAvatar& assembled, Jobs& jobs) {
 }
 
 }  // namespace
+
+void mendGarments(AvatarData& avatar) {
+    for (int round = 0; round < kMostMends && boundGarments(avatar.joints, avatar.mesh).evened > 0; ++round) {
+    }
+}
 
 Result<AvatarData> asReadersDecode(const AvatarData& avatar, Jobs& jobs) {
     DPL_TRY(AvatarData decoded, decodedAvatar(avatar));

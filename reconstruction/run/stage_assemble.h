@@ -28,6 +28,10 @@ struct StageOf<AssembledAvatar> {
     static Result<AssembledAvatar> compute(StageInputs& in);
 };
 
+/** Evens the weights of garments that training has torn, as it shortens edges. On a decoded mesh: then the file loads as it is written.
+ *  Rounding to 1/255 may leave an edge that a reader would mend once more, so this goes over them up to three times. */
+void mendGarments(AvatarData& avatar);
+
 /** The avatar as every reader decodes it, with its SH in a palette. */
 Result<AvatarData> asReadersDecode(const AvatarData& avatar, Jobs& jobs);
 

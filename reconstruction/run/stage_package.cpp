@@ -58,6 +58,7 @@ Status StageOf<Package>::make(StageInputs& in, StageContext& context) {
         const TaskPart part(0, 0.5);
         DPL_TRY(avatar, trainedOn(std::move(avatar), learns, *assembled, settings, in.jobs(), checkpoint, context.progress));
         DPL_TRY(avatar, asReadersDecode(avatar, in.jobs()));
+        mendGarments(avatar);
     }
     avatar.evidence = layers->decided;
     for (const PartEvidence& part : measured->parts) avatar.evidence.push_back(part.row);

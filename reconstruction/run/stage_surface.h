@@ -18,7 +18,7 @@ struct FittedSurface {
 template <>
 struct StageOf<FittedSurface> {
     static constexpr StageName kName{"surface", 2};
-    static constexpr const char* kPriors[] = {"input/cameras", "input/capture", "subject/surface"};
+    static constexpr const char* kPriors[] = {"input/cameras", "input/capture", "subject/body", "subject/surface"};
     static Status inputs(StageInputs& in);
     static Status make(StageInputs& in, StageContext& context);
     static Result<FittedSurface> read(StageInputs& in, const std::filesystem::path& folder);

@@ -10,6 +10,7 @@
 #include "reconstruction/run/stage_body_map.h"
 #include "reconstruction/run/stage_evidence.h"
 #include "reconstruction/run/stage_package.h"
+#include "sdk/avatar/cloth_bounds.h"
 #include "tests/unit/heard_task.h"
 #include "tests/unit/recon_run/toy_reconstruction.h"
 
@@ -120,6 +121,31 @@ TEST(Retrain, whatShipsHasMadeUpForAPartThatDidNotPay) {
     EXPECT_TRUE(hasPart(kept, AvatarPart::CorrectiveLight));
     EXPECT_FALSE(hasPart(dropped, AvatarPart::CorrectiveLight));
     EXPECT_GT(scoreOf(dropped, assembled.frames), scoreOf(kept, assembled.frames) + 1.0) << "nothing was taken, so nothing was made up for";
+}
+
+TEST(Retrain, whatShipsAfterItLoadsAsItIsWritten) {
+    ToyReconstruction toy;
+    toy.settings.training.steps = 250, toy.settings.polishSteps = 2;
+    AvatarData& avatar = toy.avatar;
+    avatar.joints[0].humanoidBone = "hips";
+    avatar.joints.resize(2);
+    const JointData thigh = avatar.joints[1];
+    for (const auto& [bone, parent, downM] :
+         {std::tuple("rightUpperLeg", 0, 0.0f), {"leftLowerLeg", 1, 0.4f}, {"rightLowerLeg", 2, 0.4f}}) {
+        avatar.joints.push_back({bone, parent, thigh.restPosition - Vec3f(0, downM, 0), bone});
+    }
+    avatar.joints[1].humanoidBone = "leftUpperLeg";
+    for (Pose& pose : toy.truth) pose.localRotations.resize(avatar.joints.size(), Quatf(1, 0, 0, 0));
+    MeshData& mesh = avatar.mesh;
+    mesh.layers = {{"skirt", "garment", 0, uint32_t(mesh.restPositions.size()), 0, uint32_t(mesh.triangles.size())}};
+    for (size_t v = 0; v < mesh.restPositions.size(); ++v)  // torn between the legs, as training may leave it
+        mesh.jointIndices[v] = {mesh.restPositions[v].x > 0 ? 1 : 2, 0, 0, 0}, mesh.jointWeights[v] = {255, 0, 0, 0};
+    avatar.correctives = ballCorrectives(mesh, {0, 0, 0, 0.2f}, {0, 0, 0, 0.2f});
+    toy.takePictures(avatar);
+    const AssembledAvatar assembled{avatar, framesOfToy(toy), {}};
+    ASSERT_GT(boundGarments(avatar.joints, mesh).evened, 0u) << "nothing was torn";
+    AvatarData shipped = packaged(toy, assembled, /*keepsLight=*/false);
+    EXPECT_EQ(boundGarments(shipped.joints, shipped.mesh).evened, 0u) << "a reader would mend it";
 }
 
 TEST(Retrain, whatShipsHasTheExpressionsOfItsBody) {
