@@ -131,7 +131,7 @@ TEST(Retrain, whatShipsAfterItLoadsAsItIsWritten) {
     avatar.joints.resize(2);
     const JointData thigh = avatar.joints[1];
     for (const auto& [bone, parent, downM] :
-         {std::tuple("rightUpperLeg", 0, 0.0f), {"leftLowerLeg", 1, 0.4f}, {"rightLowerLeg", 2, 0.4f}}) {
+         {std::tuple("rightUpperLeg", 0, 0.0f), std::tuple("leftLowerLeg", 1, 0.4f), std::tuple("rightLowerLeg", 2, 0.4f)}) {
         avatar.joints.push_back({bone, parent, thigh.restPosition - Vec3f(0, downM, 0), bone});
     }
     avatar.joints[1].humanoidBone = "leftUpperLeg";
