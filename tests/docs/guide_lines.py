@@ -50,7 +50,7 @@ Frame Time: 0.2
 AVATARS = ("[ -e ada/avatar.glb ] || for who in 1-ada 2-ben 3-cleo; do mkdir -p ${who#*-} && doppel sample-avatar -o ${who#*-}/avatar.glb"
            " --seed ${who%-*}; done")
 # film NAME KIND RATE: a video of the pictures of the scan FILMED.
-FILMS = ("[ -e FILMED ] || doppel sample -o FILMED --small --size 378x504",
+FILMS = ("[ -e FILMED ] || doppel sample -o FILMED --small --size 378x504 --posters",
          "film() { python3 -c 'import json, sys; [print(\"file FILMED/\" + f[\"image\"]) for f in json.load(open(\"FILMED/scan.json\"))[\"frames\"]"
          " if f[\"kind\"] == sys.argv[1]]' $2 >film.txt; ffmpeg -y -loglevel error -r $3 -f concat -safe 0 -i film.txt -c:v libx264 -crf 16"
          " -pix_fmt yuv420p $1; }",
@@ -66,7 +66,7 @@ MADE = {
     ("reconstruct", "doppel reconstruct ORBIT"): ("tools/strip_scan.py SCAN ORBIT mask labels keypoints", ),
     ("reconstruct", "doppel reconstruct SCAN -o OUT --preset mine.json"): (f"echo '{TINY}' >mine.json",),
     ("reconstruct", "doppel cameras"): (
-        "mv SCAN GIVEN", "doppel sample -o LARGE --small --size 378x504", "tools/strip_scan.py LARGE SCAN camera"),
+        "rm -rf OUT", "mv SCAN GIVEN", "doppel sample -o LARGE --small --size 378x504 --posters", "tools/strip_scan.py LARGE SCAN camera"),
     ("reconstruct", "doppel reconstruct SCAN -o OUT --json"): ("rm -rf SCAN OUT", "mv GIVEN SCAN"),
     ("reconstruct", "doppel body import rigged.glb"): ("doppel export ada.glb --mesh -o rigged.glb",),
     ("reconstruct", "doppel inspect avatar.glb"): ("cp OUT/avatar.glb avatar.glb", "cp motion.bvh walk.bvh", "ln -sfn SCAN scan"),

@@ -46,6 +46,19 @@ float hash01(uint32_t x, uint32_t y, uint32_t salt) {
     return float(mixBits(uint64_t(x) << 40 ^ uint64_t(y) << 20 ^ salt) >> 40) * 0x1p-24f;
 }
 
+/** Albedo of a print that looks different everywhere: coloured squares of three sizes in three directions, so that its corners are seen
+ * from near and from far. x, y: place on it, metres. */
+Vec3f print(float x, float y, uint32_t salt) {
+    constexpr float sizeM[] = {0.55f, 0.21f, 0.085f}, angle[] = {0.1f, 0.6f, 1.2f}, weight[] = {0.35f, 0.35f, 0.3f};
+    Vec3f albedo(0.08f);
+    for (uint32_t i = 0; i < 3; ++i) {
+        const float c = std::cos(angle[i]) / sizeM[i], s = std::sin(angle[i]) / sizeM[i];
+        const uint32_t column = uint32_t(int(std::floor(c * x + s * y)) + 4096), row = uint32_t(int(std::floor(c * y - s * x)) + 4096);
+        for (int k = 0; k < 3; ++k) albedo[k] += 0.6f * weight[i] * hash01(column, row, 40 + 16 * salt + 4 * i + uint32_t(k));
+    }
+    return albedo;
+}
+
 #if RTC_VERSION_MAJOR >= 4
 void castRay(RTCScene scene, RTCRayHit& ray) {
     rtcIntersect1(scene, &ray);
@@ -190,7 +203,7 @@ struct PersonTracer::State {
         return out;
     }
 
-    Vec3f background(const Vec3f& eye, const Vec3f& d, const Vec4f& r) const {
+    Vec3f background(const Vec3f& eye, const Vec3f& d, const Vec4f& r, bool posters) const {
         constexpr float roomRadius = 5.0f;
         // Distance to the cylindrical wall.
         const float dd = d.x * d.x + d.z * d.z, ed = eye.x * d.x + eye.z * d.z,
@@ -202,7 +215,8 @@ struct PersonTracer::State {
             const float board = std::floor(p.x / 0.22f),
                         tone = hash01(uint32_t(int(board) + 1000), uint32_t(int(std::floor(p.z / 1.3f + 0.5f * board)) + 1000), 7);
             const float gap = std::abs(p.x / 0.22f - board - 0.5f) > 0.488f ? 0.80f : 1.0f;
-            const Vec3f albedo = Vec3f(0.42f, 0.34f, 0.26f) * (0.86f + 0.22f * tone) * gap;
+            Vec3f albedo = Vec3f(0.42f, 0.34f, 0.26f) * (0.86f + 0.22f * tone) * gap;
+            if (posters) albedo = print(p.x, p.z, 0);
             const float from = std::sqrt(p.x * p.x + p.z * p.z);
             Vec3f light = kSunColour * kSunDirection.y, sky = kSkyColour * 0.95f;
             if (from < 2.6f) {
@@ -223,8 +237,8 @@ struct PersonTracer::State {
         const Vec3f p = eye + d * wall;
         const float turn = std::atan2(p.x, p.z), panel = std::floor(turn * 9);
         const float tone = hash01(uint32_t(int(panel) + 100), 3, 11);
-        return Vec3f(0.50f, 0.52f, 0.54f) * (0.85f + 0.18f * tone) * (0.75f + 0.16f * std::min(p.y, 3.0f)) +
-               Vec3f(0.02f) * float(p.y < 0.12f);
+        const Vec3f paint = posters ? print(turn * roomRadius, p.y, 1) : Vec3f(0.50f, 0.52f, 0.54f) * (0.85f + 0.18f * tone);
+        return paint * (0.75f + 0.16f * std::min(p.y, 3.0f)) + Vec3f(0.02f) * float(p.y < 0.12f);
     }
 };
 
@@ -335,7 +349,7 @@ RaycastFrame PersonTracer::render(const Camerad& camera, const RaycastOptions& o
                     sum += s.shadePerson(hit, eye, direction, footprint, r);
                     ++votes[s.label[hit.triangle]];
                 } else {
-                    sum += s.background(eye, direction, r);
+                    sum += s.background(eye, direction, r, options.posters);
                     ++votes[0];
                 }
             }

@@ -18,6 +18,7 @@ struct RaycastOptions {
     uint32_t samplesPerPixel = 4;  // stratified in a grid of floor(√n) columns: 4, 6 or 9 fill it
     double sensorNoise = 0.004;    // standard deviation, display-referred
     double gain = 1;               // exposure: factor of the light
+    bool posters = false;          // posters on the wall and a patterned floor, for feature matching
     uint64_t seed = 1;
 };
 

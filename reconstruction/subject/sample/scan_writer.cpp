@@ -153,6 +153,7 @@ RaycastOptions sampleRays(const SampleScanOptions& scan, size_t frame) {
     RaycastOptions rays;
     rays.samplesPerPixel = scan.samplesPerPixel;
     rays.sensorNoise = scan.sensorNoise;
+    rays.posters = scan.posters;
     rays.seed = mixBits(scan.seed ^ mixBits(frame));
     rays.gain = std::exp(scan.exposureSpread * Random(scan.seed, 90000 + frame).normal());
     return rays;

@@ -227,6 +227,39 @@ TEST(SampleFrames, areThoseOfTheScanWithoutItsLoss) {
     }
 }
 
+TEST(SampleFrames, postersChangeTheRoomAndNotThePerson) {
+    Jobs jobs(2);
+    const Subject subject = makeSubject(tiny().seed, jobs);
+    SampleScanOptions furnished = tiny();
+    furnished.posters = true;
+    const auto plain = sampleFrames(subject, tiny(), jobs), printed = sampleFrames(subject, furnished, jobs);
+    ASSERT_TRUE(plain && printed);
+    ASSERT_EQ(plain->size(), printed->size());
+    for (size_t f = 0; f < plain->size(); ++f) {
+        const FramePicture &before = **(*plain)[f].picture.get(), &after = **(*printed)[f].picture.get();
+        ASSERT_TRUE(before.mask.pixels == after.mask.pixels && before.labels.pixels == after.labels.pixels) << (*plain)[f].name;
+        const int rows = int(before.mask.heightPx), columns = int(before.mask.widthPx);
+        const cv::Mat mask(rows, columns, CV_8U, const_cast<uint8_t*>(before.mask.pixels.data()));
+        cv::Mat inside, room;
+        cv::erode(mask, inside, cv::Mat::ones(3, 3, CV_8U));
+        cv::erode(255 - mask, room, cv::Mat::ones(3, 3, CV_8U));
+        const auto grey = [&](const FramePicture& of) {
+            cv::Mat out;
+            cv::cvtColor(cv::Mat(rows, columns, CV_8UC3, const_cast<uint8_t*>(of.image.pixels.data())), out, cv::COLOR_RGB2GRAY);
+            return out;
+        };
+        const cv::Mat a = grey(before), b = grey(after);
+        ASSERT_GT(cv::countNonZero(inside), 300) << (*plain)[f].name;
+        // A pixel inside may see the room past an edge by one of its rays.
+        EXPECT_LT(cv::countNonZero((a != b) & inside), 0.02 * cv::countNonZero(inside)) << (*plain)[f].name;
+        if ((*plain)[f].kind != FrameKind::StaticFull) continue;  // close-ups see little of the room
+        cv::Mat edgesA, edgesB;
+        cv::Laplacian(a, edgesA, CV_32F);
+        cv::Laplacian(b, edgesB, CV_32F);
+        EXPECT_GT(cv::mean(cv::abs(edgesB), room)[0], 2 * cv::mean(cv::abs(edgesA), room)[0]) << (*plain)[f].name;
+    }
+}
+
 TEST(SampleFrames, aStopIsHeard) {
     Jobs jobs(2);
     const Subject subject = makeSubject(tiny().seed, jobs);
