@@ -72,10 +72,6 @@ struct Trainers {
     std::unique_ptr<TrainingEngine> engine;  // null: the CPU
 };
 
-bool isDeviceFault(Code code) {
-    return code == Code::Device || code == Code::OutOfMemory;
-}
-
 /** The steps with which the whole run keeps its time budget, by timing a short probe run of the slowest steps. spentS: of the budget, on
  * the stages before. The number is stored beside the checkpoint, so that a continued run uses the same one. */
 Result<uint32_t> stepsInBudget(const CoOptimiseInput& input, const RunSettings& settings, double spentS, const Trainers& trainers,
@@ -97,9 +93,6 @@ Status train(const CoOptimiseInput& input, const RunSettings& settings, double s
              TrainingShown shown) {
     CoOptimiseSettings training = settings.training;
     DPL_TRY(auto engine, engineOf(settings.device, context.progress));
-    if (engine) {
-        DPL_RETURN_IF_ERROR(writeFileAtomically(context.folder / kEngineFile, engine->name()));
-    }
     Trainers trainers{jobs, std::move(engine)};
     if (settings.timeBudgetMinutes > 0) {
         DPL_TRY(training.steps, stepsInBudget(input, settings, spentS, trainers, context));
@@ -115,13 +108,8 @@ Status train(const CoOptimiseInput& input, const RunSettings& settings, double s
                                                 [&] { shown.after(*optimiser, training.steps); }));
         return writeTrainedFile(optimiser->result(), context.folder / kTrainedFile);
     };
-    Status trained = trainOn(trainers.engine.get());
-    if (!trained && trainers.engine && settings.device.kind == TrainingDevice::Kind::Auto && isDeviceFault(trained.error().code)) {
-        context.progress.note(
-            formatText("{}: {}; training goes on from its last checkpoint on the CPU", trainers.engine->name(), trained.error().message));
-        trained = trainOn(nullptr);
-    }
-    return trained;
+    const TrainingFiles files{context.folder / kCheckpointFile, context.folder / kEngineFile};
+    return trainOnDevice(settings.device, trainers.engine.get(), files, context.progress, trainOn);
 }
 
 /** What is trained, from the artefacts that StageOf<Training> pulls. */

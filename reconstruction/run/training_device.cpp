@@ -2,6 +2,7 @@
 #include "reconstruction/run/training_device.h"
 
 #include "reconstruction/training/gpu/open_engine.h"
+#include "sdk/core/files.h"
 
 namespace dpl {
 
@@ -24,6 +25,21 @@ Result<std::unique_ptr<TrainingEngine>> engineOf(const TrainingDevice& device, P
     else
         progress.note(formatText("training on the CPU: {}", engine.error().message));
     return engine ? std::move(*engine) : std::move(none);
+}
+
+Status trainOnDevice(const TrainingDevice& device, TrainingEngine* engine, const TrainingFiles& files, Progress& progress,
+                     const std::function<Status(TrainingEngine*)>& train) {
+    if (!engine) return train(nullptr);
+    DPL_RETURN_IF_ERROR(writeFileAtomically(files.engine, engine->name()));
+    const Status trained = train(engine);
+    const bool deviceFailed = !trained && (trained.error().code == Code::Device || trained.error().code == Code::OutOfMemory);
+    if (!deviceFailed || device.kind != TrainingDevice::Kind::Auto) return trained;
+    const bool began = std::filesystem::exists(files.checkpoint);
+    progress.note(formatText("{}: {}; training {} on the CPU", engine->name(), trained.error().message,
+                             began ? "goes on from its last checkpoint" : "begins anew"));
+    std::error_code ignored;
+    if (!began) std::filesystem::remove(files.engine, ignored);
+    return train(nullptr);
 }
 
 }  // namespace dpl

@@ -61,7 +61,7 @@ Status GpuState::makeBuffers(const GpuStateSizes& s, BufferMaker& maker) {
 }
 
 GpuPicture::~GpuPicture() {
-    for (const FrameId frame : {step, readGradients})
+    for (const FrameId frame : {step, update, readGradients})
         if (frame) backend_.destroyFrame(frame);
 }
 

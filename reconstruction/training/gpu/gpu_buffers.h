@@ -81,7 +81,9 @@ struct GpuPicture {
     BufferId depthPairs, depthSwap, entryPairs, entrySwap, offsets, entries;
     TableIds digits, cells;
     ReadBuffer counts, sums, rowGradients, shown, vertices;
-    FrameId step, readGradients;
+    FrameId step;    // up to the gradients of the vertices, which the host reads
+    FrameId update;  // of the splats, after it
+    FrameId readGradients;
 
 private:
     Status record(const GpuStateSizes& state, const GpuState& buffers);  // gpu_steps.cpp

@@ -95,6 +95,10 @@ void readAll(Backend& backend, const ReadBuffer& buffer, std::vector<T>& values)
 
 GpuEngine::~GpuEngine() = default;
 
+Status GpuEngine::settle() {
+    return picture_ ? backend_->wait(picture_->update) : Status();
+}
+
 Result<std::unique_ptr<GpuEngine>> GpuEngine::create(const vk::DeviceRequest& request) {
     DPL_TRY(ShaderPack pack, readShaderPack(training::shaderPack(), "the shader pack of training", training::shaderInterface()));
     size_t mostBuffers = 0, mostShared = 0;
@@ -278,6 +282,7 @@ LossValues GpuEngine::lossOf(const EngineStep& in) const {
 
 Result<LossValues> GpuEngine::step(const EngineStep& in) {
     DPL_RETURN_IF_ERROR(checkStep(in));
+    DPL_RETURN_IF_ERROR(settle());
     GpuPictureSizes needed;
     needed.pixels = uint64_t(in.target.widthPx) * in.target.heightPx;
     needed.tiles = uint64_t(tilesAlong(in.target.widthPx)) * tilesAlong(in.target.heightPx);
@@ -290,9 +295,11 @@ Result<LossValues> GpuEngine::step(const EngineStep& in) {
         crossedBytes_ +=
             targets_.takeBytes() + sizes_.vertices * sizeof(gpu::vec4) + (needed.pixels + 255) / 256 * gpu::kTrainSums * sizeof(float);
         entries_ = mappedAs<const gpu::FrameCounts>(*backend_, picture_->counts.host)->tileEntries;
-        if (entries_ <= picture_->sizes.entries) return lossOf(in);
+        if (entries_ <= picture_->sizes.entries) break;
         needed.entries = uint64_t(entries_) + entries_ / 4;  // once more, with lists that are long enough; nothing was updated
     }
+    if (in.update) DPL_RETURN_IF_ERROR(backend_->submit(picture_->update));
+    return lossOf(in);
 }
 
 std::span<const Vec4f> GpuEngine::vertexGradients() const {
@@ -301,11 +308,15 @@ std::span<const Vec4f> GpuEngine::vertexGradients() const {
 }
 
 std::vector<PassTime> GpuEngine::passTimes() {
-    return picture_ ? backend_->passTimes(picture_->step) : std::vector<PassTime>();
+    if (!picture_ || !settle()) return {};
+    std::vector<PassTime> times = backend_->passTimes(picture_->step), update = backend_->passTimes(picture_->update);
+    times.insert(times.end(), update.begin(), update.end());
+    return times;
 }
 
 Result<GpuGradients> GpuEngine::gradients() {
     if (!picture_) return fail(Code::InvalidArgument, "no step yet");
+    DPL_RETURN_IF_ERROR(settle());
     DPL_RETURN_IF_ERROR(backend_->run(picture_->readGradients));
     return GpuGradients{{mappedAs<const float>(*backend_, picture_->rowGradients.host), size_t(sizes_.splats) * sizes_.rowFloats},
                         {mappedAs<const float>(*backend_, picture_->shown.host), sizes_.splats}};
@@ -315,6 +326,7 @@ Status GpuEngine::download(TrainableSplats& splats, AdamRows& adam, DensityStati
     if (!state_ || splats.count() != sizes_.splats || splats.stride != sizes_.rowFloats || adam.first.size() != splats.rows.size() ||
         adam.steps.size() != splats.count() || statistics.seen.size() != splats.count())
         return fail(Code::InvalidArgument, "the engine holds {} splats of another training", sizes_.splats);
+    DPL_RETURN_IF_ERROR(settle());
     DPL_RETURN_IF_ERROR(backend_->run(state_->readBack));
     readAll(*backend_, state_->rows, splats.rows);
     readAll(*backend_, state_->firstMoments, adam.first);

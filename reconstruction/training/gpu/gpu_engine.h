@@ -48,6 +48,8 @@ public:
 private:
     explicit GpuEngine(std::unique_ptr<Backend> backend) : backend_(std::move(backend)), targets_(*backend_) {}
     Status checkStep(const EngineStep& step) const;
+    /** Waits for the update of the last step, which runs while the host moves the mesh and poses the next picture. */
+    Status settle();
     Status holdPicture(const GpuPictureSizes& needed);
     void dropPicture();
     void fill(const EngineStep& step);

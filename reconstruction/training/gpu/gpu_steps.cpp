@@ -105,7 +105,11 @@ Status GpuPicture::record(const GpuStateSizes& size, const GpuState& state) {
         .reads(state.incidence, state.cornersOf, corners)
         .writes(vertices.device)
         .threads(size.vertices);
-    plan.compute("adam", "adam")
+    for (const ReadBuffer& b : {counts, sums, vertices}) plan.copy("read", b.device, b.host);
+    DPL_TRY(step, plan.finish());
+
+    FramePlan updatePlan(backend_);
+    updatePlan.compute("adam", "adam")
         .uniform(frame)
         .updates(state.splats)
         .writes(state.sh)
@@ -114,8 +118,7 @@ Status GpuPicture::record(const GpuStateSizes& size, const GpuState& state) {
         .updates(state.firstMoments.device, state.secondMoments.device, state.steps.device, state.densitySums.device, state.seen.device)
         .reads(state.constants, rates, state.corrections)
         .threads(n);
-    for (const ReadBuffer& b : {counts, sums, vertices}) plan.copy("read", b.device, b.host);
-    DPL_TRY(step, plan.finish());
+    DPL_TRY(update, updatePlan.finish());
 
     FramePlan gradientsPlan(backend_);
     for (const ReadBuffer& b : {rowGradients, shown}) gradientsPlan.copy("read gradients", b.device, b.host);
