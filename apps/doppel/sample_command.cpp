@@ -13,7 +13,7 @@ void addSampleCommand(CLI::App& app, CommandRun& run) {
         std::filesystem::path out;
         uint64_t seed = 1;
         uint32_t threadCount = 0;
-        bool small = false, skirt = false, fingers = false, posters = false;
+        bool small = false, skirt = false, fingers = false, chart = false, posters = false;
         std::string size;
     };
     auto options = std::make_shared<Options>();
@@ -26,12 +26,13 @@ void addSampleCommand(CLI::App& app, CommandRun& run) {
     command->add_option("--size", options->size, "Size of the pictures; default 378x504, with --small 189x252")->check(isPictureSize());
     command->add_flag("--skirt", options->skirt, "A wide skirt that swings, in place of shorts");
     command->add_flag("--fingers", options->fingers, "Hands that bend and make gestures, with keypoints of every finger");
+    command->add_flag("--chart", options->chart, "A test chart on the shirt: letters, bars and a check, of 26 to 0.6 mm");
     command->add_flag("--posters", options->posters, "A room with posters and a patterned floor, in which cameras can be found");
     command->add_option("--threads", options->threadCount, "CPU threads; 0: one for each core. The files are the same for any number")
         ->check(inRange(0, 256));
     command->footer(
         "Examples:\n  doppel sample -o scan\n  doppel sample -o scan-7 --seed 7 --small\n"
-        "  doppel sample -o scan-2k --size 1080x1440    as many pixels as a phone's video\n"
+        "  doppel sample -o scan-2k --size 1080x1440 --chart    as many pixels as a phone's video, and fine print\n"
         "  doppel sample -o scan-skirt --skirt          cloth that hangs free between the legs\n"
         "  doppel sample -o scan-hands --fingers        fingers that move\n"
         "  doppel sample -o scan-room --posters         to try `doppel cameras`; then take the cameras out of scan.json");
@@ -41,7 +42,7 @@ void addSampleCommand(CLI::App& app, CommandRun& run) {
             Jobs jobs(options->threadCount);
             SampleScanOptions scan = SampleScanOptions::small(options->seed);
             if (!options->small) scan = SampleScanOptions{}, scan.seed = options->seed;
-            scan.skirt = options->skirt, scan.fingers = options->fingers, scan.posters = options->posters;
+            scan.skirt = options->skirt, scan.fingers = options->fingers, scan.chart = options->chart, scan.posters = options->posters;
             if (const auto size = parsePictureSize(options->size)) scan.widthPx = size->widthPx, scan.heightPx = size->heightPx;
             progress.beginStage("sample");
             ShownTask task(progress);

@@ -2,7 +2,10 @@
 #include "reconstruction/run/detail_figures.h"
 
 #include <algorithm>
+#include <functional>
+#include <map>
 
+#include "reconstruction/judging/report/bar_contrast.h"
 #include "reconstruction/judging/report/detail.h"
 #include "reconstruction/judging/report/fine_truth.h"
 #include "reconstruction/judging/report/score.h"
@@ -69,6 +72,30 @@ Status addDetailFigures(const Scan& scan, AvatarView& view, const FrameSet& held
                 data.figures.push_back(
                     {key + "." + scan.labels[l].name, group, scan.labels[l].name, "", ofLabel[l].sum / double(ofLabel[l].count), {}});
     }
+    return {};
+}
+
+Status addBarFigures(const Scan& scan, AvatarView& view, const FrameSet& heldOut, const PosesFile& poses, ReportData& data) {
+    DPL_TRY(const auto printed, readPrintedBars(scan.root));
+    std::map<double, Mean, std::greater<>> ofWidth;
+    for (size_t i = 0; i < heldOut.frames.size(); ++i) {
+        const TrainFrame& frame = heldOut.frames[i];
+        const auto fields = printed.find(frame.name);
+        if (frame.kind != FrameKind::StaticCloseup || fields == printed.end()) continue;
+        DPL_TRY(const auto picture, frame.picture.get());
+        DPL_TRY(const auto drawn, view.draw(poses.frames[heldOut.rows[i]].bestPose(), frame.camera));
+        const std::vector<uint8_t> photograph = cutOut(picture->image, picture->mask);
+        for (const PrintedBars& bars : fields->second)
+            ofWidth[bars.widthMm].add(barContrast(drawn, photograph, frame.camera.widthPx, frame.camera.heightPx, bars));
+    }
+    for (const auto& [widthMm, mean] : ofWidth)
+        if (mean.count > 0)
+            data.figures.push_back({formatText("bars.{}mm", widthMm),
+                                    "contrast kept of printed bars, held-out close-ups",
+                                    formatText("bars {} mm wide", widthMm),
+                                    "",
+                                    mean.sum / double(mean.count),
+                                    {}});
     return {};
 }
 

@@ -15,4 +15,8 @@ namespace dpl {
  */
 Status addDetailFigures(const Scan& scan, AvatarView& view, const FrameSet& heldOut, const PosesFile& poses, ReportData& data);
 
+/** Adds the contrast that close-ups keep of printed bars (report/bar_contrast.h), by their width: held-out close-ups drawn in the poses
+ * after the pose fit. Adds nothing when the scan's truth tells of no bars. */
+Status addBarFigures(const Scan& scan, AvatarView& view, const FrameSet& heldOut, const PosesFile& poses, ReportData& data);
+
 }  // namespace dpl

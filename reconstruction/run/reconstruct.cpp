@@ -3,6 +3,7 @@
 
 #include "reconstruction/base/folder_lock.h"
 #include "reconstruction/judging/ladder/true_mesh.h"
+#include "reconstruction/judging/report/bar_contrast.h"
 #include "reconstruction/judging/report/report.h"
 #include "reconstruction/run/cameras_file.h"
 #include "reconstruction/run/frames_file.h"
@@ -90,6 +91,7 @@ Result<T> withRequest(const ReconstructOptions& options, Progress& progress, con
     DPL_TRY(const ReadScan* read, run.get<ReadScan>());
     DPL_RETURN_IF_ERROR(claimOutput(options, read->scan, read->hashes));
     DPL_RETURN_IF_ERROR(checkTruth(read->scan));
+    if (const auto bars = readPrintedBars(read->scan.root); !bars) return bars.error();
     return work(run);
 }
 

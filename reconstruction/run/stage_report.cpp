@@ -294,6 +294,7 @@ Status StageOf<ReportFiles>::make(StageInputs& in, StageContext& context) {
     DPL_TRY(data.ladder, measureLadder({table->scan, metric->cameras, avatar, found}, in.jobs()));
     DPL_RETURN_IF_ERROR(addScaleFigures(table->scan.root, view, heldOut, found, data));
     DPL_RETURN_IF_ERROR(addDetailFigures(table->scan, view, heldOut, found, data));
+    DPL_RETURN_IF_ERROR(addBarFigures(table->scan, view, heldOut, found, data));
     for (const StageRecord& s : in.records()) data.stages.push_back({s.name, s.seconds, s.peakBytes, s.reused});
     PlotSeries loss{"total", {}, {}}, psnr{"masked", {}, {}};
     for (const CurvePoint& p : training->result.curve) {

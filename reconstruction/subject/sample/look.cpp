@@ -6,6 +6,7 @@
 #include <span>
 #include <vector>
 
+#include "reconstruction/subject/sample/chart.h"
 #include "reconstruction/subject/sample/garments.h"
 #include "reconstruction/subject/sample/random.h"
 #include "reconstruction/subject/sample/skeleton.h"
@@ -72,6 +73,19 @@ const std::vector<std::vector<Vec2f>>& lettersDoppel() {
     static const std::vector<Vec2f> l{{0, 1.5f}, {0, 0}, {0.82f, 0}};
     static const std::vector<std::vector<Vec2f>> word{d, o, p, p, e, l};
     return word;
+}
+
+/** Distance to the strokes of DOPPEL, whose first letter begins at x = left; 1 where it is far. */
+float distanceToLetters(const Vec2f& at, float left, float cell, float pitch) {
+    const auto& word = lettersDoppel();
+    const float margin = cell * (2.0f / 3);
+    float distance = 1;
+    for (size_t i = 0; i < word.size(); ++i) {
+        const Vec2f q(at.x - (left + pitch * float(i)), at.y);
+        if (q.x < -margin || q.x > cell + margin || q.y < -margin || q.y > 1.5f * cell + margin) continue;
+        for (size_t k = 0; k + 1 < word[i].size(); ++k) distance = std::min(distance, segment(q, word[i][k] * cell, word[i][k + 1] * cell));
+    }
+    return distance;
 }
 
 struct SkinPaint {
@@ -194,10 +208,7 @@ SurfaceColour shirtColour(const Look& look, const Vec3f& p, float footprint) {
     const float row = sleeve ? s : p.y, column = sleeve ? std::atan2(a.z + 0.02f, glm::dot(a - shoulder, Vec3f(-arm.y, arm.x, 0))) * 0.06f
                                                         : std::atan2(p.x, p.z) * 0.15f;
     Vec3f c = look.shirt;
-    auto stripe = [&](float x, float period, float width) {
-        const float d = std::abs(x - period * std::round(x / period)) - 0.5f * width;
-        return glm::mix(width / period, coverage(d, footprint), resolved(period, footprint));
-    };
+    auto stripe = [&](float x, float period, float width) { return bars(x, period, width, footprint); };
     if (look.shirtPattern == 0)
         c = glm::mix(c, look.shirtStripe, stripe(row, 0.042f, 0.010f));
     else if (look.shirtPattern == 1) {
@@ -221,7 +232,10 @@ SurfaceColour shirtColour(const Look& look, const Vec3f& p, float footprint) {
     if (p.y > 1.36f && neck < 0)
         c = look.shirt * (0.62f + 0.10f * std::sin(6.2832f * std::atan2(p.x, p.z) * 0.08f / 0.004f) * resolved(0.005f, footprint));
     // The print on the chest, and a number on the back.
-    if (!sleeve && p.z > 0.02f && p.y > 1.05f) {
+    if (look.chart && !sleeve && p.z > 0.02f) {
+        const ChartInk chart = chartInk(Vec2f(p) - kChartCentre, footprint);
+        c = glm::mix(c, glm::mix(Vec3f(0.72f), Vec3f(0.03f), chart.ink), chart.panel);
+    } else if (!sleeve && p.z > 0.02f && p.y > 1.05f) {
         const Vec2f ink = logoInk({p.x, p.y - 1.225f}, footprint);
         c = glm::mix(glm::mix(c, look.logoAccent, ink.y), look.logoInk, ink.x);
     }
@@ -240,16 +254,20 @@ SurfaceColour shirtColour(const Look& look, const Vec3f& p, float footprint) {
 
 }  // namespace
 
+float bars(float x, float periodM, float widthM, float footprintM) {
+    const float d = std::abs(x - periodM * std::round(x / periodM)) - 0.5f * widthM;
+    return glm::mix(widthM / periodM, coverage(d, footprintM), resolved(periodM, footprintM));
+}
+
+float wordInk(const Vec2f& at, float heightM, float footprintM) {
+    const float cell = heightM / 1.5f;
+    return coverage(distanceToLetters(at, 0, cell, 1.25f * cell) - 0.14f * cell, footprintM);
+}
+
 Vec2f logoInk(const Vec2f& at, float footprintM) {
     constexpr float cell = 0.030f, pitch = 0.0375f, stroke = 0.0042f;
-    const auto& word = lettersDoppel();
-    float letters = 1;
-    const float left = -0.5f * (pitch * float(word.size()) - (pitch - cell * 0.92f));
-    for (size_t i = 0; i < word.size(); ++i) {
-        const Vec2f q(at.x - (left + pitch * float(i)), at.y);
-        if (q.x < -0.02f || q.x > cell + 0.02f || q.y < -0.02f || q.y > 0.07f) continue;
-        for (size_t k = 0; k + 1 < word[i].size(); ++k) letters = std::min(letters, segment(q, word[i][k] * cell, word[i][k + 1] * cell));
-    }
+    const float left = -0.5f * (pitch * float(lettersDoppel().size()) - (pitch - cell * 0.92f));
+    const float letters = distanceToLetters(at, left, cell, pitch);
     // Two overlapping rings and a bar under the word.
     const Vec2f c1 = at - Vec2f(-0.022f, -0.062f), c2 = at - Vec2f(0.022f, -0.062f);
     float emblem = std::min(std::abs(glm::length(c1) - 0.030f) - 0.0048f, std::abs(glm::length(c2) - 0.030f) - 0.0048f);

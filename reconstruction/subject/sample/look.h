@@ -18,6 +18,7 @@ struct Look {
     int shirtPattern = 0;  // 0 stripes, 1 check, 2 melange
     Vec3f shorts{0.25f, 0.22f, 0.15f}, shoes{0.6f, 0.6f, 0.6f}, shoeAccent{0.05f, 0.1f, 0.3f};
     float shirtHemY = 0.835f, sleeveM = 0.175f, bottomHemY = 0.565f;
+    bool chart = false;   // a test chart (chart.h) in place of the shirt's print
     bool dotted = false;  // the bottom is a skirt with printed dots, not shorts with seams
 };
 
@@ -36,5 +37,11 @@ SurfaceColour surfaceColour(const Look& look, uint8_t label, const Vec3f& canoni
 /** Ink coverage (0 to 1) of the shirt's print: x of the letters, y of the emblem. `at` is in metres to the left of and above the print's
  *  centre. Edges are one footprint wide. */
 Vec2f logoInk(const Vec2f& at, float footprintM);
+
+/** Ink coverage of the letters DOPPEL. `at`: metres to the left of and above their lower left corner. */
+float wordInk(const Vec2f& at, float heightM, float footprintM);
+
+/** Coverage by bars whose centres lie at multiples of `periodM`; finer ones fade to their mean. */
+float bars(float x, float periodM, float widthM, float footprintM);
 
 }  // namespace dpl

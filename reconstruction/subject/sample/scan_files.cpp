@@ -20,6 +20,10 @@ Json triple(const Vec3d& v, double steps = 1e6) {
     return Json::array({rounded(v.x, steps), rounded(v.y, steps), rounded(v.z, steps)});
 }
 
+Json pixel(const Vec2d& p) {
+    return Json::array({rounded(p.x, 1e3), rounded(p.y, 1e3)});
+}
+
 Json cameraJson(const Camerad& c) {
     // Rows of R·M with M = [x, z, −y]: a file point (x, y, z) is the world point (x, z, −y).
     Json r = Json::array();
@@ -128,6 +132,12 @@ std::string truthJson(const Subject& subject, const std::vector<PlannedFrame>& f
                    {"keypoints_world", points}};
         for (const Vec3d& p : truePoints[i].hands) hands.push_back(triple(fileFromWorld(p), 1e7));
         if (!hands.empty()) entry["hand_keypoints_world"] = hands;
+        for (const BarsSeen& seen : truePoints[i].bars) {
+            Json top = Json::array(), bottom = Json::array();
+            for (const Vec2d& p : seen.topPx) top.push_back(pixel(p));
+            for (const Vec2d& p : seen.bottomPx) bottom.push_back(pixel(p));
+            entry["bars"].push_back({{"width_mm", rounded(seen.barMm, 1e6)}, {"top_px", top}, {"bottom_px", bottom}});
+        }
         entry["posed"] = f.keepPosed ? Json("posed/" + f.name + ".bin") : Json(nullptr);
         list.push_back(std::move(entry));
     }
@@ -137,10 +147,9 @@ std::string truthJson(const Subject& subject, const std::vector<PlannedFrame>& f
 
 std::string keypointsJson(const Subject& subject, const PlannedFrame& frame, const std::vector<SampleKeypoint>& keypoints) {
     Json xy = Json::array(), noisy = Json::array(), visibility = Json::array(), confidence = Json::array(), sigma = Json::array();
-    auto pair = [](const Vec2d& p) { return Json::array({rounded(p.x, 1e3), rounded(p.y, 1e3)}); };
     for (const SampleKeypoint& k : keypoints) {
-        xy.push_back(k.inFront ? pair(k.px) : Json(nullptr));
-        noisy.push_back(k.inFront ? pair(k.noisyPx) : Json(nullptr));
+        xy.push_back(k.inFront ? pixel(k.px) : Json(nullptr));
+        noisy.push_back(k.inFront ? pixel(k.noisyPx) : Json(nullptr));
         visibility.push_back(k.visibility);
         confidence.push_back(rounded(k.confidence, 1e3));
         sigma.push_back(rounded(k.sigmaPx, 1e3));

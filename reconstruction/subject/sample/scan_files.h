@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "reconstruction/subject/sample/chart.h"
 #include "reconstruction/subject/sample/scan_plan.h"
 
 namespace dpl {
@@ -24,9 +25,10 @@ struct SampleKeypoint {
 };
 
 std::string scanJson(const Subject& subject, const std::vector<PlannedFrame>& frames, const SampleScanOptions& options);
-/** One frame's keypoints, world, metres. `hands` is empty in a scan without moved fingers. */
+/** What a frame shows where. `hands` is empty in a scan without moved fingers, `bars` but in held-out close-ups of a chart. */
 struct TruePoints {
-    std::vector<Vec3d> body, hands;
+    std::vector<Vec3d> body, hands;  // keypoints, world, metres
+    std::vector<BarsSeen> bars;
 };
 std::string truthJson(const Subject& subject, const std::vector<PlannedFrame>& frames, const std::vector<TruePoints>& points);
 std::string keypointsJson(const Subject& subject, const PlannedFrame& frame, const std::vector<SampleKeypoint>& keypoints);

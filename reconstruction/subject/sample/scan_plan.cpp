@@ -96,6 +96,7 @@ std::vector<PlannedFrame> planScan(const Subject& subject, const SampleScanOptio
         f.pose = staticPose(o.seed, 1000 + i, o.fingers);
         const bool hand = f.closeupOf == "hand_l" || f.closeupOf == "hand_r";
         if (o.fingers && hand && i == last && last > first) f.split = Split::Test;
+        if (o.chart && f.closeupOf == "logo" && i == (first + last) / 2 && last > first) f.split = Split::Test;
         frames.push_back(std::move(f));
     }
 

@@ -93,6 +93,7 @@ Status writeFrame(const fs::path& folder, const Subject& subject, const PlannedF
     const std::vector<Vec3d> vertices = poseSubject(subject, frame.pose, frame.kind == FrameKind::Dynamic ? &frame.lag : nullptr);
     points.body = keypointsWorld(subject, subject.keypoints, frame.pose, vertices);
     if (o.fingers) points.hands = keypointsWorld(subject, subject.handKeypoints, frame.pose, vertices);
+    if (o.chart && frame.closeupOf == "logo" && frame.split == Split::Test) points.bars = seeBars(subject, vertices, frame.camera);
     tracer.setVertices(vertices);
     const RaycastOptions ray = sampleRays(o, index);
     const RaycastFrame picture = tracer.render(frame.camera, ray);
@@ -117,7 +118,8 @@ Status writeFrame(const fs::path& folder, const Subject& subject, const PlannedF
 
 Status writeAll(const fs::path& folder, const SampleScanOptions& o, Jobs& jobs) {
     DPL_RETURN_IF_ERROR(taskAt(0, "modelling the subject"));
-    const Subject subject = makeSubject(o.seed, jobs, o.skirt ? Bottom::Skirt : Bottom::Shorts);
+    Subject subject = makeSubject(o.seed, jobs, o.skirt ? Bottom::Skirt : Bottom::Shorts);
+    subject.look.chart = o.chart;
     const std::vector<PlannedFrame> frames = planScan(subject, o);
     std::error_code error;
     for (const char* name : {"images", "masks", "labels", "keypoints", "geometry", "posed", kFineFolder}) {

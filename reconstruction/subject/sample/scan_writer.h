@@ -15,6 +15,7 @@ struct SampleScanOptions {
     uint64_t seed = 1;
     bool skirt = false;    // a wide skirt to the knee in place of shorts
     bool fingers = false;  // hands that move (hand_motion.h), with keypoints; of each hand one close-up is held out
+    bool chart = false;    // a test chart on the shirt; its middle close-up is held out, and truth.json tells where its bars are
     bool posters = false;  // a room with posters and a patterned floor, in which cameras can be found; the person is the same
     uint32_t widthPx = 378, heightPx = 504;
     uint32_t fullFrames = 60, closeupFrames = 24, dynamicFrames = 90;

@@ -450,6 +450,22 @@ def real(name, folder, bars, options=lambda place: [], walks=False):
     return take
 
 
+def take_2k(place):
+    """A scan with as many pixels as a phone's video, and a test chart on its shirt, by `high` within 40 minutes."""
+    scan = place.work / "scan-2k"
+    if not (scan / "scan.json").exists():
+        shutil.rmtree(scan, ignore_errors=True)
+        place.run("scan-2k", [place.program("doppel"), "sample", "-o", scan, "--size", "1080x1440", "--chart"])
+    return quality_rows(reconstruct(place, "quality-2k", scan, ["--preset", "high", "--time-budget", 40]), {})
+
+
+def take_frames_2k(place):
+    avatar = place.work / "quality-2k/avatar.glb"
+    if not avatar.exists():
+        raise Skipped(f"needs {avatar}, which the bench quality-2k makes")
+    return with_passes(place.json_lines("frames-2k", [place.program("doppel"), "bench", avatar, "--repeats", place.repeats]))
+
+
 def take_cores(place):
     """The same run with one thread and with two: seconds of each stage, milliseconds of a training step."""
     scan, found = sample(place, 1), {}
@@ -525,6 +541,9 @@ BENCHES = [
     Bench("quality-scan-a-makehuman", "long", 8, "scan-a with the MakeHuman body",
           "doppel reconstruct ../shared/data/scan-a -o OUT --body makehuman.glb", DOPPEL,
           real("quality-scan-a-makehuman", "scan-a", SCAN_A_BARS, lambda place: ["--body", makehuman(place)])),
+    Bench("quality-2k", "long", 48, "1080 x 1440, a test chart on the shirt, preset high within 40 minutes",
+          "doppel sample -o SCAN --size 1080x1440 --chart && doppel reconstruct SCAN -o OUT --preset high --time-budget 40", DOPPEL, take_2k),
+    Bench("frames-2k", "long", 5, "the avatar of quality-2k in the pictures of a phone and a headset", "doppel bench AVATAR", DOPPEL, take_frames_2k),
     Bench("quality-scan-c", "long", 8, "scan-c, preset standard", "doppel reconstruct ../shared/data/scan-c -o OUT", DOPPEL,
           real("quality-scan-c", "scan-c", SCAN_C_BARS, walks=True)),
     Bench("cores", "long", 7, "reconstruction with one thread and with two",

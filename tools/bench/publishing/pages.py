@@ -59,7 +59,8 @@ def frame_body(rows, digits=2):
 def frames(store):
     text = BACK + "# Frames: speed against error\n\n" + FRAME_WORDS
     text += "![Speed against error](speed-error.svg)\n\n" if store.get("speed-error") else ""
-    return text + section(store, "speed-error", "What users can choose", frame_body)
+    text += section(store, "speed-error", "What users can choose", frame_body)
+    return text + section(store, "frames-2k", "An avatar made from pictures of 1080 × 1440 pixels", frame_body)
 
 
 def worth_cell(row, what):
