@@ -20,6 +20,12 @@ grep -qE "^static +22 +0 +0\.0[0-9] " out.log || fail "the cameras of still pict
 grep -qE "^close-up +8 +0 +0\.0[0-9] " out.log || fail "the cameras of close-ups are not those that were given"
 grep -q "too few matches with their neighbours; film that part again, slower" out.log || fail "pictures without a place are not named"
 
+# A close-up that COLMAP puts far away is none that it placed: the person places it, or it is left out, and nothing is worse than before.
+FAKE_COLMAP_FAR=close_003 "$doppel" cameras blind -o far --truth scan >out.log 2>&1 || fail "exit $?"
+grep -qE "found for 22 of 22 still pictures, [78] of 8 close-ups" out.log || fail "a close-up far away takes others with it"
+# kind, frames, missing, eye mm: median, 90 %, worst
+grep -qE "^close-up +8 +[01] +[0-9]\.[0-9]+ +[0-9.]+ +[0-9]{1,2}\.[0-9]+ " out.log || fail "a close-up stands far from its place"
+
 # Too few pictures are placed: the scan is refused, and OUT/verdict.json tells programs what people are told.
 FAKE_COLMAP_PLACES=7 "$doppel" reconstruct blind -o refused >out.log 2>&1 && fail "a scan of 7 placed pictures was not refused"
 python3 - <<'P' || fail "verdict.json does not say what to film again"

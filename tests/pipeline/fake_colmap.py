@@ -2,8 +2,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Plays COLMAP for tests: the mapper answers with the true cameras of a scan, in a world of another origin and scale.
 
-Environment: FAKE_COLMAP_SCAN, the folder of a scan.json with cameras; FAKE_COLMAP_PLACES, how many pictures it places at most. Other
-commands than `mapper` do nothing.
+Environment: FAKE_COLMAP_SCAN, the folder of a scan.json with cameras; FAKE_COLMAP_PLACES, how many pictures it places at most;
+FAKE_COLMAP_FAR, a picture that it puts a thousand times too far away. Other commands than `mapper` do nothing.
 """
 import json
 import math
@@ -33,6 +33,8 @@ def write_model(scan, images, out):
             continue
         r, t = camera["R"], camera["t"]
         moved = [SCALE * t[i] - sum(r[3 * i + k] * SHIFT[k] for k in range(3)) for i in range(3)]
+        if frame["name"] == os.environ.get("FAKE_COLMAP_FAR"):
+            moved = [1000 * value for value in moved]
         pose = " ".join(f"{value:.17g}" for value in (*quaternion(r), *moved))
         lines.append(f"{len(lines) + 1} {pose} 1 {name}\n\n")
     width, height = manifest["image_size"]

@@ -136,7 +136,8 @@ private:
         for (const auto& entry : fs::directory_iterator(model, error)) folders.push_back(entry.path());
         std::sort(folders.begin(), folders.end());
         for (const fs::path& folder : folders) {
-            DPL_TRY(auto images, readColmapModel(folder));
+            std::vector<UnreadColmapImage> unread;  // a picture that COLMAP puts nowhere is one that it did not place
+            DPL_TRY(auto images, readColmapModel(folder, &unread));
             if (images.size() > best.size()) best = std::move(images);
         }
         return best;

@@ -25,6 +25,8 @@ constexpr size_t kMostFeatures = 2000;
 constexpr uint32_t kMaxSidePx = 1600;
 constexpr double kEnoughPlaced = 0.6;              // share of the stills below which another focal length is tried
 constexpr double kFocalTries[] = {1, 1.35, 0.75};  // times the guess: zoomed or cropped videos, wide lenses
+constexpr double kFarthest =
+    20;  // from the middle of the stills, in median distances of a still: a picture beyond was placed by wrong matches
 constexpr double kReadShare = 0.15, kColmapShare = 0.6, kTrackShare = 0.05;  // of the time
 
 class Solver {
@@ -139,7 +141,26 @@ private:
             intrinsics_ = image.camera;
             out_.lens = image.lens;
         }
+        dropFarPictures();
         return {};
+    }
+
+    /** Forgets cameras that stand where nobody films. */
+    void dropFarPictures() {
+        std::vector<double> along[3], distances;
+        const auto eachStill = [&](const auto& take) {
+            for (const size_t i : stills_)
+                if (out_.pictures[i].camera) take(out_.pictures[i].camera->eye());
+        };
+        eachStill([&](const Vec3d& eye) {
+            for (int k = 0; k < 3; ++k) along[k].push_back(eye[k]);
+        });
+        if (along[0].size() < 3) return;
+        const Vec3d middle(percentile(along[0], 0.5), percentile(along[1], 0.5), percentile(along[2], 0.5));
+        eachStill([&](const Vec3d& eye) { distances.push_back(glm::distance(eye, middle)); });
+        const double most = kFarthest * percentile(distances, 0.5);
+        for (SolveOutcome& picture : out_.pictures)
+            if (picture.camera && !(glm::distance(picture.camera->eye(), middle) <= most)) picture.camera.reset();
     }
 
     /** Triangulates the background from placed stills and close-ups. */

@@ -73,6 +73,17 @@ TEST_F(ColmapStandIn, largestModelIsTheAnswer) {
     EXPECT_FALSE(task.heard.empty());
 }
 
+TEST_F(ColmapStandIn, aPictureThatIsPutNowhereIsLeftOut) {
+    standIn(std::string(kModel) + R"(
+[ "$1" != mapper ] || printf '3 1 0 0 0 0 0 1e9 1 c.jpg\n\n' >>$F/sparse/1/images.txt)");
+    test::HeardTask task;
+    const TaskScope scope(&task);
+    const auto images = runColmap(run());
+    ASSERT_TRUE(images) << images.error().message;
+    ASSERT_EQ(images->size(), 2u);
+    EXPECT_EQ((*images)[1].name, "b.jpg");
+}
+
 TEST_F(ColmapStandIn, argumentsAreThoseOfTheManual) {
     standIn(kModel);
     fs::create_directories(folder_ / "masks");
