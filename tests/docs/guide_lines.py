@@ -79,6 +79,7 @@ MADE = {
     ("capture", ""): FILMS,
     ("import", ""): (*FILMS, "rm -rf scan photos", "cp walk.mp4 orbit.mp4",
                      "for name in face hand; do ffmpeg -y -loglevel error -i close.mp4 -c copy $name.mov; done", "cp -r FILMED/images photos"),
+    ("import", "doppel import walk.mp4"): ("rm -rf scan",),
     ("import", "doppel import --static orbit.mp4 --closeup face.mov --motion"): ("rm -rf scan",),
     ("import", "doppel import --static orbit.mp4 --closeup face.mov hand.mov"): ("rm -rf scan",),
     ("import", "doppel import photos"): ("rm -rf scan",),
