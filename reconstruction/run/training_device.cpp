@@ -29,16 +29,21 @@ Result<std::unique_ptr<TrainingEngine>> engineOf(const TrainingDevice& device, P
 
 Status trainOnDevice(const TrainingDevice& device, TrainingEngine* engine, const TrainingFiles& files, Progress& progress,
                      const std::function<Status(TrainingEngine*)>& train) {
+    const auto forgetUnlessBegun = [&] {
+        std::error_code ignored;
+        const bool began = std::filesystem::exists(files.checkpoint, ignored);
+        if (!began) std::filesystem::remove(files.engine, ignored);
+        return began;
+    };
+    forgetUnlessBegun();  // of a run that was killed before its first checkpoint
     if (!engine) return train(nullptr);
     DPL_RETURN_IF_ERROR(writeFileAtomically(files.engine, engine->name()));
     const Status trained = train(engine);
     const bool deviceFailed = !trained && (trained.error().code == Code::Device || trained.error().code == Code::OutOfMemory);
     if (!deviceFailed || device.kind != TrainingDevice::Kind::Auto) return trained;
-    const bool began = std::filesystem::exists(files.checkpoint);
+    const bool began = forgetUnlessBegun();
     progress.note(formatText("{}: {}; training {} on the CPU", engine->name(), trained.error().message,
                              began ? "goes on from its last checkpoint" : "begins anew"));
-    std::error_code ignored;
-    if (!began) std::filesystem::remove(files.engine, ignored);
     return train(nullptr);
 }
 

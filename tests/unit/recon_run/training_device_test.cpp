@@ -61,5 +61,18 @@ TEST_F(TrainOnDevice, theEngineIsNamedWhereStepsOfTheResultAreItsOwn) {
     EXPECT_FALSE(fs::exists(files_.engine));
 }
 
+TEST_F(TrainOnDevice, anEngineOfARunThatWasKilledBeforeItsFirstCheckpointIsForgotten) {
+    ASSERT_TRUE(writeFileAtomically(files_.engine, std::string("a device")));
+    const auto train = [&] {
+        return trainOnDevice({TrainingDevice::Kind::Auto, {}}, nullptr, files_, progress_, [](TrainingEngine*) { return Status(); });
+    };
+    ASSERT_TRUE(writeFileAtomically(files_.checkpoint, std::string("steps")));
+    EXPECT_TRUE(train());
+    EXPECT_TRUE(fs::exists(files_.engine)) << "its steps are in the checkpoint";
+    fs::remove(files_.checkpoint);
+    EXPECT_TRUE(train());
+    EXPECT_FALSE(fs::exists(files_.engine));
+}
+
 }  // namespace
 }  // namespace dpl::test
