@@ -31,6 +31,7 @@ namespace dpl {
 namespace {
 
 constexpr uint32_t kProbeSteps = 60;
+constexpr uint32_t kFewSteps = 10;  // a budget with less than this part of the preset's steps is better spent by a smaller preset
 
 double secondsSince(std::chrono::steady_clock::time_point start) {
     return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
@@ -85,7 +86,10 @@ Result<uint32_t> stepsInBudget(const CoOptimiseInput& input, const RunSettings& 
     DPL_RETURN_IF_ERROR(writeFileAtomically(context.folder / kStepsFile, std::to_string(steps)));
     context.progress.note(
         formatText("{} steps of training fit into the time budget, of which {} s are spent{}", steps, std::lround(spentS),
-                   steps > kLeastSteps ? "" : ". They are the fewest, and the run will take longer than it; give it more"));
+                   steps == kLeastSteps ? ". They are the fewest, and the run will take longer than it; give it more"
+                   : steps < settings.training.steps / kFewSteps
+                       ? ". They are few for this preset, whose other stages take most of the time; a smaller one makes more of it"
+                       : ""));
     return steps;
 }
 

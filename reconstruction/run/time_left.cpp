@@ -50,6 +50,9 @@ constexpr size_t kTraining = 6, kEvidence = 7, kPackage = 8, kPoseFit = 9, kRepo
 constexpr double kMeanStep =
     0.76;  // mean time of a training's steps, of that of a probe, which also decodes pictures: measured, as the page says
 
+/** Share of evidence in which the validation frames are posed, round by round; the rest trains. */
+constexpr double kPosing = 0.5;
+
 }  // namespace
 
 uint32_t stepsWithin(double seconds, double stepS, const RunSize& size) {
@@ -57,15 +60,18 @@ uint32_t stepsWithin(double seconds, double stepS, const RunSize& size) {
         nearest([&](const MeasuredRun& run) { return std::abs(std::log(ratio(std::max(1u, size.poseFitRounds), run.poseFitRounds))); });
     const double meanS = kMeanStep * std::max(1e-6, stepS), slower = meanS * like.steps / like.seconds[kTraining];
     const double afterS = like.seconds[kPackage] * ratio(size.polishSteps, like.polishSteps) +
-                          like.seconds[kPoseFit] * ratio(size.poseFitRounds, like.poseFitRounds) + like.seconds[kReport];
-    const double perStepS = meanS * (1 + like.seconds[kEvidence] / like.seconds[kTraining]);
+                          (like.seconds[kPoseFit] + kPosing * like.seconds[kEvidence]) * ratio(size.poseFitRounds, like.poseFitRounds) +
+                          like.seconds[kReport];
+    const double perStepS = meanS * (1 + (1 - kPosing) * like.seconds[kEvidence] / like.seconds[kTraining]);
     return uint32_t(std::min(double(kMostSteps), std::max(double(kLeastSteps), (seconds - slower * afterS) / perStepS)));
 }
 
 void TimeLeft::plan(const RunSize& size) {
     const MeasuredRun& like = nearestRun(size.steps);
     const auto scaleOf = [&](std::string_view stage) {
-        if (stage == "co-optimise" || stage == "evidence") return ratio(size.steps, like.steps);
+        if (stage == "co-optimise") return ratio(size.steps, like.steps);
+        if (stage == "evidence")
+            return (1 - kPosing) * ratio(size.steps, like.steps) + kPosing * ratio(size.poseFitRounds, like.poseFitRounds);
         if (stage == "package") return ratio(size.polishSteps, like.polishSteps);
         if (stage == "pose-fit") return ratio(size.poseFitRounds, like.poseFitRounds);
         return 1.0;

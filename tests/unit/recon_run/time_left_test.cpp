@@ -121,7 +121,7 @@ TEST(TimeLeft, aTrainingFromACheckpointCountsWhole) {
 }
 
 TEST(TimeLeft, otherNumbersScaleTheStagesThatTheyDecide) {
-    // Twice the steps: training and evidence twice as long beside the others.
+    // Fewer steps: training and half of evidence are shorter beside the others.
     TimeLeft time;
     time.plan({6000, 600, 80, "report"});  // nearer to 10000 than to 3000
     constexpr double kStandardS[] = {0.8, 72, 14.9, 0.5, 24.9, 30.5, 530, 308, 30.4, 72.5, 50};
@@ -131,7 +131,7 @@ TEST(TimeLeft, otherNumbersScaleTheStagesThatTheyDecide) {
         nowS += kStandardS[i] * (i == 6 ? 0.6 : 1);
     }
     time.begin("evidence", nowS);
-    EXPECT_NEAR(*time.ofRun(nowS), 0.6 * 308 + 30.4 + 72.5 + 50, 1e-6);
+    EXPECT_NEAR(*time.ofRun(nowS), 0.8 * 308 + 30.4 + 72.5 + 50, 1e-6);
 }
 
 TEST(TimeLeft, aCheckOfTheFilmEndsWithTheBody) {
@@ -172,7 +172,7 @@ TEST(ProgressLine, fitsItsTerminal) {
 /** Seconds of a run from the training on, by the table of `standard`, on a machine on which a slow step takes stepS. */
 double fromTrainingOn(uint32_t steps, double stepS) {
     const double train = 0.76 * stepS * steps, slower = 0.76 * stepS * 10000 / 530;
-    return train * (1 + 308.0 / 530) + slower * (30.4 + 72.5 + 50);
+    return train * (1 + 154.0 / 530) + slower * (154 + 30.4 + 72.5 + 50);
 }
 
 TEST(StepsWithin, theRunEndsInTime) {
@@ -185,6 +185,15 @@ TEST(StepsWithin, theRunEndsInTime) {
             EXPECT_LE(fromTrainingOn(steps, stepS), seconds) << stepS << " s, " << minutes << " min";
             EXPECT_GT(fromTrainingOn(steps + 2, stepS), seconds) << stepS << " s, " << minutes << " min";
         }
+}
+
+TEST(StepsWithin, whatPosesFramesTakesItsTimeBeforeSteps) {
+    // A scan of 1080 × 1440 by `high`: posing the validation frames alone takes about a fifth of an hour.
+    const RunSize high{0, 2000, 120};
+    const double stepS = 0.28, slower = 0.76 * stepS * 10000 / 530, behindS = slower * (154 * 1.5 + 30.4 * 2000 / 600 + 72.5 * 1.5 + 50);
+    EXPECT_GT(behindS, 1800);
+    EXPECT_EQ(stepsWithin(behindS, stepS, high), kLeastSteps);
+    EXPECT_NEAR(stepsWithin(behindS + 3600, stepS, high), 3600 / (0.76 * stepS * (1 + 154.0 / 530)), 2);
 }
 
 TEST(StepsWithin, moreTimeIsNeverFewerStepsAndALongerStepNeverMore) {
