@@ -40,6 +40,7 @@ Status tuckUnseenBody(AssembledAvatar& assembled, Jobs& jobs) {
 }  // namespace
 
 void mendGarments(AvatarData& avatar) {
+    boundNewGarments(avatar.joints, avatar.mesh);
     for (int round = 0; round < kMostMends && boundGarments(avatar.joints, avatar.mesh).evened > 0; ++round) {
     }
 }

@@ -21,7 +21,7 @@ struct AssembledAvatar {
 
 template <>
 struct StageOf<AssembledAvatar> {
-    static constexpr StageName kName{"assemble", 3};
+    static constexpr StageName kName{"assemble", 4};
     static constexpr const char* kPriors[] = {"input/cameras",   "input/capture",        "subject/garments",
                                               "subject/surface", "training/correctives", "training/trainer"};
     static Status inputs(StageInputs& in);
@@ -29,7 +29,7 @@ struct StageOf<AssembledAvatar> {
 };
 
 /** Evens the weights of garments that training has torn, as it shortens edges. On a decoded mesh: then the file loads as it is written.
- *  Rounding to 1/255 may leave an edge that a reader would mend once more, so this goes over them up to three times. */
+ * What a reader would mend once more is mended up to three times. Takes up to seconds of a core. */
 void mendGarments(AvatarData& avatar);
 
 /** The avatar as every reader decodes it, with its SH in a palette. */

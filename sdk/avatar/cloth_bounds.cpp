@@ -13,10 +13,12 @@ namespace dpl {
 namespace {
 
 constexpr float kShortestEdgeM = 1e-4f;
-constexpr int kSweeps = 600;  // over all edges; a torn skirt takes some hundred
-constexpr int kMergeRounds = 4;
-// A hostile file costs no more than these: 60 MB, and two seconds of a core.
+constexpr int kSweeps = 600;         // over all edges; a torn skirt takes some hundred
+constexpr float kRelaxation = 1.5f;  // a sweep goes beyond what one edge asks for: half as many are enough
+constexpr int kRefineRounds = 20;
+// A hostile file costs no more than these: 60 MB, and some seconds of a core.
 constexpr size_t kMostVertices = 200000, kMostRowFloats = 5'000'000, kMostVertexSweeps = 10'000'000;
+constexpr size_t kMostNeighbours = 32, kMostTries = 2'000'000;
 
 struct Edge {
     uint32_t a, b;
@@ -69,7 +71,7 @@ public:
         for (const Edge& e : graph_.edges) longest = std::max(longest, stretchOf(e));
         return longest;
     }
-    /** Moves the rows at both ends of every edge beyond `most` towards each other, in the order of the edges, as far as brings it there.
+    /** Moves the rows at both ends of every edge beyond `most` towards each other, in the order of the edges, further than brings it there.
      *  Returns whether there was one. Rows stay sums of 1: they are mixed only. */
     bool sweep(float most) {
         if (rows_.empty()) fillRows(), measuredAt_.assign(graph_.edges.size(), UINT32_MAX), stretch_.resize(graph_.edges.size());
@@ -82,7 +84,7 @@ public:
             const float stretch = stretch_[i];
             if (!(stretch > most)) continue;
             any = true;
-            const float share = 0.5f * (1 - most / stretch);
+            const float share = std::min(0.5f, 0.5f * kRelaxation * (1 - most / stretch));
             float *a = &rows_[e.a * columns], *b = &rows_[e.b * columns];
             for (size_t c = 0; c < columns; ++c) {
                 const float step = share * (a[c] - b[c]);
@@ -98,26 +100,15 @@ public:
         for (uint32_t v = 0; v < moves_.size(); ++v)
             if (moves_[v] > 0) pack(v), pose(v);
     }
-    /** Rounding to 1/255 is coarse beside a long limb. An edge that it stretches takes one row at both ends where that mends more than it
-     *  tears. */
-    void merge(float most) {
-        for (int round = 0; round < kMergeRounds; ++round)
-            for (const Edge& e : graph_.edges) {
-                if (!(stretchOf(e) > most)) continue;
-                for (const auto& [to, from] : {std::pair(e.b, e.a), std::pair(e.a, e.b)}) {
-                    const float before = longestAround(to);
-                    const auto indices = piece_.jointIndices[to];
-                    const auto weights = piece_.jointWeights[to];
-                    piece_.jointIndices[to] = piece_.jointIndices[from], piece_.jointWeights[to] = piece_.jointWeights[from];
-                    pose(to);
-                    if (longestAround(to) < before) {
-                        ++moves_[to];
-                        break;
-                    }
-                    piece_.jointIndices[to] = indices, piece_.jointWeights[to] = weights;
-                    pose(to);
-                }
-            }
+    /** Rounding to 1/255 is coarse beside a long limb. Single such steps, from one joint of a vertex to another of it or its neighbours,
+     * mend what it stretches, as long as the longest edge around the vertex becomes shorter. */
+    void refine(float most) {
+        for (int round = 0; round < kRefineRounds; ++round) {
+            bool any = false;
+            for (const Edge& e : graph_.edges)
+                if (stretchOf(e) > most) any |= refineAt(e.a, most), any |= refineAt(e.b, most);
+            if (!any) break;
+        }
     }
     /** Sweeps that stay within reason; 0: too large. */
     int sweeps() const {
@@ -146,6 +137,41 @@ private:
             if (restM >= kShortestEdgeM) longest = std::max(longest, stretchOf({v, n, restM}));
         }
         return longest;
+    }
+    /** The best single step of a vertex; false: none makes its longest edge shorter. */
+    bool refineAt(uint32_t v, float most) {
+        constexpr float kLeastGain = 1e-4f;
+        if (graph_.around(v).size() > kMostNeighbours) return false;
+        float longest = longestAround(v);
+        if (!(longest > most)) return false;
+        candidates_.clear();
+        const auto add = [&](uint32_t n) {
+            for (int k = 0; k < 4; ++k)
+                if (piece_.jointWeights[n][k] > 0 &&
+                    std::find(candidates_.begin(), candidates_.end(), piece_.jointIndices[n][k]) == candidates_.end())
+                    candidates_.push_back(piece_.jointIndices[n][k]);
+        };
+        add(v);
+        for (const uint32_t n : graph_.around(v)) add(n);
+        const PackedWeights start{piece_.jointIndices[v], piece_.jointWeights[v]};
+        const auto take = [&](const PackedWeights& w) { piece_.jointIndices[v] = w.joints, piece_.jointWeights[v] = w.weights, pose(v); };
+        PackedWeights best = start;
+        for (int from = 0; from < 4; ++from)
+            for (const uint16_t joint : candidates_) {
+                if (start.weights[from] == 0 || start.joints[from] == joint || tries_ == kMostTries) continue;
+                int to = -1;
+                for (int k = 0; k < 4; ++k)
+                    if (start.weights[k] == 0 ? to < 0 : start.joints[k] == joint) to = k;
+                if (to < 0) continue;
+                PackedWeights step = start;
+                --step.weights[from], ++step.weights[to], step.joints[to] = joint;
+                take(step), ++tries_;
+                if (const float now = longestAround(v); now < longest - kLeastGain) longest = now, best = step;
+            }
+        take(best);
+        const bool better = best.weights != start.weights || best.joints != start.joints;
+        if (better) ++moves_[v];
+        return better;
     }
     void fillRows() {
         const size_t columns = jointOf_.size();
@@ -184,6 +210,8 @@ private:
     std::vector<uint32_t> moves_;       // of each vertex, counted
     std::vector<uint32_t> measuredAt_;  // of each edge: moves of both ends when its stretch was measured
     std::vector<float> stretch_;
+    std::vector<uint16_t> candidates_;  // joints, while a vertex is refined
+    size_t tries_ = 0;                  // steps that refining has tried
 };
 
 }  // namespace
@@ -197,30 +225,41 @@ ClothBounds boundCloth(const ClothPiece& piece, std::span<const JointData> joint
     for (int left = evener.sweeps(); left > 0 && evener.sweep(kMostClothStretch); --left) {
     }
     evener.pack();
-    evener.merge(kMostClothStretch);
+    evener.refine(kMostClothStretch);
     bounds.longestAfter = evener.longest(), bounds.evened = evener.movedCount();
     return bounds;
 }
 
-ClothBounds boundGarments(std::span<const JointData> joints, MeshData& mesh) {
+namespace {
+
+ClothBounds boundGarmentsIn(std::span<const Pose> poses, std::span<const JointData> joints, MeshData& mesh, float torn) {
     ClothBounds all;
-    if (!checkRig(joints)) return all;
-    std::vector<Pose> poses;
     for (const LayerData& layer : mesh.layers) {
-        if (layer.role != "garment") continue;
-        if (poses.empty()) poses = stressPoses(joints);
-        if (poses.empty()) return all;
+        if (layer.role != "garment" || poses.empty()) continue;
         const auto own = [&](auto& values) { return std::span(values).subspan(layer.firstVertex, layer.vertexCount); };
         std::vector<Triangle> triangles(mesh.triangles.begin() + layer.firstTriangle,
                                         mesh.triangles.begin() + layer.firstTriangle + layer.triangleCount);
         for (Triangle& t : triangles) t -= Triangle(layer.firstVertex);
         const ClothPiece piece{own(std::as_const(mesh.restPositions)), triangles, own(mesh.jointIndices), own(mesh.jointWeights)};
-        ClothBounds bounds = boundCloth(piece, joints, poses, kTornClothStretch);
+        const ClothBounds bounds = boundCloth(piece, joints, poses, torn);
         all.longestBefore = std::max(all.longestBefore, bounds.longestBefore);
         all.longestAfter = std::max(all.longestAfter, bounds.longestAfter);
         all.evened += bounds.evened;
     }
     return all;
+}
+
+}  // namespace
+
+ClothBounds boundGarments(std::span<const JointData> joints, MeshData& mesh) {
+    const bool dressed = std::any_of(mesh.layers.begin(), mesh.layers.end(), [](const LayerData& l) { return l.role == "garment"; });
+    if (!dressed || !checkRig(joints)) return {};
+    return boundGarmentsIn(stressPoses(joints), joints, mesh, kTornClothStretch);
+}
+
+ClothBounds boundNewGarments(std::span<const JointData> joints, MeshData& mesh) {
+    if (!checkRig(joints)) return {};
+    return boundGarmentsIn(clothPoses(joints), joints, mesh, kMostClothStretch);
 }
 
 }  // namespace dpl

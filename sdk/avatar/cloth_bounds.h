@@ -3,7 +3,8 @@
 //
 // Cloth whose ends follow different limbs is stretched between them: where weights change fast along an edge, the edge grows to many times
 // its length, and needles stand out of the cloth. boundCloth() poses a garment in the poses of stress_poses.h and evens the weights at the
-// ends of every edge that grows too long. The same code runs when garments are made and when a file is loaded. docs/reference/garments.md
+// ends of every edge that grows too long. The same code runs when garments are made, in more poses, and when a file is loaded.
+// docs/reference/garments.md
 #pragma once
 
 #include <span>
@@ -36,5 +37,9 @@ ClothBounds boundCloth(const ClothPiece& piece, std::span<const JointData> joint
 /** boundCloth() for every garment of a file, in stressPoses() and from kTornClothStretch on. Nothing happens on a rig without humanoid
  * legs, or one that checkRig refuses. The mesh must have passed the checks of the file reader. */
 ClothBounds boundGarments(std::span<const JointData> joints, MeshData& mesh);
+
+/** The same for an avatar that is being made: in clothPoses(), and from kMostClothStretch on. Takes up to seconds of a core. What it
+ * leaves, boundGarments() leaves alone, unless no weights hold the cloth together. */
+ClothBounds boundNewGarments(std::span<const JointData> joints, MeshData& mesh);
 
 }  // namespace dpl

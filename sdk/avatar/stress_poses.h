@@ -14,4 +14,8 @@ namespace dpl {
  *  without hips and two upper legs. */
 std::vector<Pose> stressPoses(std::span<const JointData> joints);
 
+/** stressPoses(), and poses that dancers and fighters take: lunges, a deep squat, kicks sideways, arms overhead and across. Garments are
+ *  made so that they hold together in these. */
+std::vector<Pose> clothPoses(std::span<const JointData> joints);
+
 }  // namespace dpl

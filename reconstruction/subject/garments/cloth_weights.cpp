@@ -163,7 +163,7 @@ Result<ClothWeights> clothWeights(const SurfaceMesh& piece, std::span<const Surf
         DPL_TRY(weights, spreadWeights(piece, rows, lengths));
     }
     const std::vector<Vec3f> rest = unposed(piece, weights, worldFromRest);
-    boundCloth({rest, piece.triangles, weights.joints, weights.weights}, joints, stress, kMostClothStretch);
+    boundCloth({rest, piece.triangles, weights.joints, weights.weights}, joints, clothPoses(joints), kMostClothStretch);
     for (const SurfacePoint& point : below) weights.distanceM.push_back(point.distanceM);
     return weights;
 }

@@ -89,6 +89,23 @@ TEST(ClothBounds, aSkirtThatTearsBetweenTheLegsIsEvened) {
     EXPECT_EQ(again.mesh.jointWeights, a.mesh.jointWeights);
 }
 
+TEST(ClothBounds, aSkirtThatIsMadeHoldsInLungesAndKicksTooAndReadersLeaveItAlone) {
+    AvatarData read = skirted(0.5f), made = read;
+    const auto longestIn = [&](const AvatarData& a) {
+        double longest = 0;
+        for (const Pose& pose : clothPoses(a.joints)) longest = std::max(longest, longestEdge(a, pose));
+        return longest;
+    };
+    ASSERT_EQ(clothPoses(made.joints).size(), 16u);
+    boundGarments(read.joints, read.mesh);
+    EXPECT_GT(longestIn(read), kTornClothStretch) << "a reader looks at nine poses only";
+    const ClothBounds bounds = boundNewGarments(made.joints, made.mesh);
+    EXPECT_NEAR(bounds.longestAfter, longestIn(made), 1e-3);
+    EXPECT_LT(bounds.longestAfter, 1.1 * kMostClothStretch) << "what rounding to 1/255 leaves";
+    EXPECT_EQ(boundGarments(made.joints, made.mesh).evened, 0u);
+    for (const glm::u8vec4& w : made.mesh.jointWeights) ASSERT_EQ(w.x + w.y + w.z + w.w, 255);
+}
+
 TEST(ClothBounds, clothThatHoldsKeepsItsWeights) {
     AvatarData a = skirted(0.03f);
     const AvatarData before = a;
@@ -112,7 +129,7 @@ TEST(ClothBounds, degenerateClothIsSurvived) {
     a.mesh.restPositions[700] = a.mesh.restPositions[701];
     a.mesh.restPositions[720] = Vec3f(NAN);
     a.mesh.triangles[5] = {7, 7, 7};
-    boundGarments(a.joints, a.mesh);
+    boundGarments(a.joints, a.mesh), boundNewGarments(a.joints, a.mesh);
     for (const glm::u8vec4& w : a.mesh.jointWeights) ASSERT_EQ(w.x + w.y + w.z + w.w, 255);
     a.mesh.triangles.clear(), a.mesh.layers[0].triangleCount = 0;
     EXPECT_EQ(boundGarments(a.joints, a.mesh).evened, 0u);
