@@ -124,7 +124,7 @@ std::vector<double> referenceMotion(const MotionModeData& m, const Pose& pose) {
     return k;
 }
 
-std::vector<double> referenceCoefficients(const PoseCorrectiveData& c, const Pose& pose) {
+ReferenceCoefficients referenceCoefficients(const PoseCorrectiveData& c, const Pose& pose) {
     std::vector<double> heard;
     for (const uint32_t joint : c.joints) {
         const glm::dmat3 turned = rotationOf(pose.localRotations[joint]) - glm::dmat3(1);
@@ -149,7 +149,7 @@ std::vector<double> referenceCoefficients(const PoseCorrectiveData& c, const Pos
     const double fade = off > 0 ? std::min(1.0, double(c.reachOffModes) / std::sqrt(off)) : 1.0;
     for (double& x : k) x *= shorter * fade;
     for (const double x : referenceMotion(c.motion, pose)) k.push_back(x);
-    return k;
+    return {k, shorter * fade};
 }
 
 ReferenceCorrection referenceCorrection(const AvatarData& avatar, const Pose& pose) {
@@ -157,27 +157,21 @@ ReferenceCorrection referenceCorrection(const AvatarData& avatar, const Pose& po
     ReferenceCorrection out{std::vector<glm::dvec3>(vertices, glm::dvec3(0)), std::vector<double>(vertices, 1.0)};
     const PoseCorrectiveData& c = avatar.correctives;
     if (c.nodeCount == 0) return out;
-    const std::vector<double> k = referenceCoefficients(c, pose);
+    const auto [k, drawn] = referenceCoefficients(c, pose);
     std::vector<glm::dvec3> sums(c.nodeCount, glm::dvec3(0));
     for (size_t n = 0; n < sums.size(); ++n)
         for (size_t i = 0; i < k.size(); ++i) sums[n] += k[i] * glm::dvec3(c.nodes[n * k.size() + i]);
-    std::vector<glm::dvec3> face(c.nodeCount, glm::dvec3(0));
     const ExpressionData& expressions = avatar.expressions;
     for (size_t s = 0, e = 0; s < expressions.shapes.size(); ++s)
         for (; e < expressions.ends[s]; ++e)
-            face[expressions.nodes[e]] += double(pose.expression[expressions.shapes[s]]) * glm::dvec3(expressions.offsetsM[e]);
-    for (size_t n = 0; n < sums.size(); ++n) sums[n] += face[n];
-    const std::vector<glm::dvec3> pushes = referencePushes(avatar, pose, sums);
+            sums[expressions.nodes[e]] += double(pose.expression[expressions.shapes[s]]) * glm::dvec3(expressions.offsetsM[e]);
+    const std::vector<glm::dvec3> nodes = referenceClothNodes(avatar, pose, drawn, sums);
     for (size_t v = 0; v < vertices; ++v) {
         for (int slot = 0; slot < 4; ++slot) {
             const uint32_t node = c.nodeIndices[v][slot];
-            out.offset[v] += double(c.nodeWeights[v][slot]) / 255.0 * (pushes[node] + face[node]);
-            for (size_t i = 0; i < k.size(); ++i) {
-                const glm::dvec4 value(c.nodes[size_t(c.nodeIndices[v][slot]) * k.size() + i]);
-                const double share = k[i] * double(c.nodeWeights[v][slot]) / 255.0;
-                out.offset[v] += share * glm::dvec3(value);
-                out.light[v] += share * value.w;
-            }
+            const double share = double(c.nodeWeights[v][slot]) / 255.0;
+            out.offset[v] += share * nodes[node];
+            for (size_t i = 0; i < k.size(); ++i) out.light[v] += share * k[i] * double(c.nodes[size_t(node) * k.size() + i].w);
         }
         out.light[v] = std::clamp(out.light[v], kDarkest, kBrightest);
     }

@@ -106,9 +106,13 @@ struct ReferenceScene {
 /** G_j = G_parent·[R_j | p_j − R_j p_j]; the root is shifted by pose.rootTranslation. Normalises the rotations. */
 std::vector<glm::dmat4> referenceJointTransforms(const std::vector<JointData>& joints, const Pose& pose);
 
+struct ReferenceCoefficients {
+    std::vector<double> k;  // then those of the motion modes
+    double drawn = 1;       // share of them that the two limits leave
+};
 /** Coefficients k of a pose. The features are the first two columns of R − I of each joint in correctives.joints, minus the mean. They are
  *  projected on the modes; then k is shortened to length `reach` and faded when the rest of the features is longer than `reachOffModes`. */
-std::vector<double> referenceCoefficients(const PoseCorrectiveData& correctives, const Pose& pose);
+ReferenceCoefficients referenceCoefficients(const PoseCorrectiveData& correctives, const Pose& pose);
 /** Offset of the rest surface (metres) and brightness of each vertex, L in [0.2, 3]; zeros and ones without correctives. */
 struct ReferenceCorrection {
     std::vector<glm::dvec3> offset;
@@ -116,8 +120,9 @@ struct ReferenceCorrection {
 };
 ReferenceCorrection referenceCorrection(const AvatarData& avatar, const Pose& pose);
 
-/** By how much clearance moves the M control nodes from `offsets`, the sums of their modes; metres at rest. */
-std::vector<glm::dvec3> referencePushes(const AvatarData& avatar, const Pose& pose, const std::vector<glm::dvec3>& offsets);
+/** Where the limits of cloth leave the M control nodes whose modes sum to `offsets`; metres at rest. */
+std::vector<glm::dvec3> referenceClothNodes(const AvatarData& avatar, const Pose& pose, double drawn,
+                                            const std::vector<glm::dvec3>& offsets);
 
 /** Irradiance on a unit normal over its mean, within the bounds of docs/reference/light.md. */
 double referenceIrradiance(const LightData& light, const glm::dvec3& normal);

@@ -23,7 +23,7 @@ Result<LabelColours> gatherLabelColours(const FrameTable& table) {
 Result<std::vector<HeldOutFrame>> scoreFrames(const LabelColours& labelColours, const FrameSet& set, const AvatarData& avatar,
                                               AvatarView& view, const PosesFile& poses, bool withPictures, Jobs& jobs) {
     const std::vector<RestTriangle<float>> bind = restTriangles(avatar.mesh);
-    const ClothClearance clearance(avatar.joints, avatar.mesh, avatar.correctives);
+    const ClothLimits cloth(avatar.joints, avatar.mesh, avatar.correctives);
     PosedMesh posed;
     std::vector<HeldOutFrame> scored;
     for (size_t i = 0; i < set.frames.size(); ++i) {
@@ -42,7 +42,7 @@ Result<std::vector<HeldOutFrame>> scoreFrames(const LabelColours& labelColours, 
         out.withoutPoseFit = scorePicture(plain, image, mask);
         out.withPoseFit = scorePicture(best, image, mask);
         out.labelFloor = scorePicture(labelColours.paint(mask, labels), image, mask);
-        posed.pose({avatar.joints, avatar.mesh, avatar.correctives, {bind}, nullptr, {}, &clearance}, fitted, jobs);
+        posed.pose({avatar.joints, avatar.mesh, avatar.correctives, {bind}, nullptr, {}, &cloth}, fitted, jobs);
         out.meshFloor = scorePicture(paintMesh(posed.positions(), avatar.mesh.triangles, avatar.mesh.colours, frame.camera), image, mask);
         if (withPictures) {
             const auto truth = overWhite(cutOut(image, mask)), shown = overWhite(best);

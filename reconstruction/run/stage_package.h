@@ -14,7 +14,7 @@ struct Package {
 
 template <>
 struct StageOf<Package> {
-    static constexpr StageName kName{"package", 10};
+    static constexpr StageName kName{"package", 11};
     static constexpr const char* kPriors[] = {"input/cameras",   "input/capture",        "subject/body",    "subject/garments",
                                               "subject/surface", "training/correctives", "training/trainer"};
     static Status inputs(StageInputs& in);

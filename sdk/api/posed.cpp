@@ -35,9 +35,8 @@ std::span<const TriangleFrame<float>> framesOf(PosedOutput& output, Avatar& avat
     const Pose& pose = avatar.drawnPose();
     if (output.posed && samePose(output.pose, pose) && output.hiddenLayers == avatar.hiddenLayers) return output.mesh.frames();
     if (output.normals.empty() && !data.light.empty()) output.normals = restVertexNormals(data.mesh);
-    output.mesh.pose(
-        {data.joints, data.mesh, data.correctives, {}, &data.light, output.normals, &avatar.surface->clearance, &data.expressions}, pose,
-        output.jobs);
+    output.mesh.pose({data.joints, data.mesh, data.correctives, {}, &data.light, output.normals, &avatar.surface->cloth, &data.expressions},
+                     pose, output.jobs);
     const std::vector<LayerData>& layers = data.mesh.layers;
     for (size_t l = 0; l < std::min<size_t>(layers.size(), 64); ++l)
         if (avatar.hiddenLayers >> l & 1) output.mesh.hideTriangles(layers[l].firstTriangle, layers[l].triangleCount);

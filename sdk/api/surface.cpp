@@ -16,14 +16,14 @@ using namespace dpl::api;
 Surface& dpl::api::surfaceOf(Avatar& avatar) {
     if (avatar.surface) return *avatar.surface;
     avatar.surface = std::make_unique<Surface>();
-    avatar.surface->clearance = ClothClearance(avatar.data->joints, avatar.data->mesh, avatar.data->correctives);
+    avatar.surface->cloth = ClothLimits(avatar.data->joints, avatar.data->mesh, avatar.data->correctives);
     return *avatar.surface;
 }
 
 std::span<const Vec3f> dpl::api::verticesOf(Avatar& avatar) {
     const AvatarData& data = *avatar.data;
     Surface& surface = surfaceOf(avatar);
-    return surface.posed.in({data.joints, data.mesh, data.correctives, {}, nullptr, {}, &surface.clearance, &data.expressions},
+    return surface.posed.in({data.joints, data.mesh, data.correctives, {}, nullptr, {}, &surface.cloth, &data.expressions},
                             avatar.drawnPose());
 }
 

@@ -12,7 +12,7 @@ namespace dpl::api {
 struct PosedOutput;
 
 struct Surface {
-    ClothClearance clearance;
+    ClothLimits cloth;
     PosedSurface posed;
     ContactShadowCaster caster;
     ContactShadow shadow;

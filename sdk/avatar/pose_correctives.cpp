@@ -42,8 +42,8 @@ CorrectiveDistance correctiveCoefficients(const PoseCorrectiveData& c, const Pos
         squares += k2;
         if (mode > 0) away -= k2 / mode;
     }
-    const CorrectiveDistance distance{std::sqrt(squares), std::sqrt(std::max(0.0f, away))};
-    float keep = 1;
+    CorrectiveDistance distance{std::sqrt(squares), std::sqrt(std::max(0.0f, away))};
+    float& keep = distance.drawn;
     if (distance.length > c.reach) keep *= c.reach / distance.length;
     if (distance.offModes > c.reachOffModes) keep *= c.reachOffModes / distance.offModes;
     if (keep < 1)

@@ -13,10 +13,11 @@ namespace dpl {
 
 constexpr float kMinLight = 0.2f, kMaxLight = 3.0f;  // limits of the brightness factor
 
-/** How far a pose lies from the training poses, before any limit. */
+/** How far a pose lies from the training poses. */
 struct CorrectiveDistance {
-    float length = 0;    // ‖k‖, length of the coefficients
+    float length = 0;    // ‖k‖, length of the coefficients before any limit
     float offModes = 0;  // distance of its features from the span of the modes
+    float drawn = 1;     // share of the coefficients that the limits leave, in [0, 1]; motion modes have limits of their own
 };
 
 /** The coefficients of a pose: K, shortened to `reach` and faded beyond `reachOffModes`; then K' of the motion modes, in the

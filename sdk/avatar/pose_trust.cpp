@@ -56,7 +56,7 @@ void poseTrust(const PoseCorrectiveData& c, const Pose& pose, PoseTrust& trust) 
     const auto over = [](float value, float limit) { return limit > 0 ? value / limit : value > 0 ? 1e6f : 0.0f; };
     trust.away = over(distance.length, c.reach);
     trust.offModes = over(distance.offModes, c.reachOffModes);
-    trust.offsets = 1 / (std::max(trust.away, 1.0f) * std::max(trust.offModes, 1.0f));
+    trust.offsets = distance.drawn;
     trust.joints.assign(pose.localRotations.size(), -1.0f);
     const std::vector<float> norms = squaredNormsOf(c);
     for (size_t j = 0; j < c.joints.size(); ++j)

@@ -14,14 +14,13 @@ bool samePose(const Pose& a, const Pose& b) {
 }
 
 void PosedMesh::control(const PosedSubject& s, const Pose& pose) {
-    coefficients_.clear(), nodes_.clear();
-    if (!s.correctives.empty()) {
-        correctiveCoefficients(s.correctives, pose, coefficients_);
-        correctiveNodes(s.correctives, coefficients_, nodes_);
-        if (s.expressions) addExpression(*s.expressions, pose.expression, coefficients_, nodes_);
-    }
+    coefficients_.clear(), nodes_.clear(), pushedM_ = 0;
     jointTransforms(s.joints, pose, worldFromRest_);
-    pushedM_ = s.clearance && !nodes_.empty() ? s.clearance->push(worldFromRest_, nodes_, pushes_) : 0;
+    if (s.correctives.empty()) return;
+    const float drawn = correctiveCoefficients(s.correctives, pose, coefficients_).drawn;
+    correctiveNodes(s.correctives, coefficients_, nodes_);
+    if (s.expressions) addExpression(*s.expressions, pose.expression, coefficients_, nodes_);
+    if (s.cloth) pushedM_ = s.cloth->apply(worldFromRest_, drawn, nodes_, cloth_);
 }
 
 void PosedMesh::vertices(const PosedSubject& s, Jobs& jobs) {

@@ -5,7 +5,7 @@
 
 #include <vector>
 
-#include "sdk/avatar/cloth_clearance.h"
+#include "sdk/avatar/cloth_limits.h"
 #include "sdk/avatar/pose_correctives.h"
 
 namespace dpl {
@@ -18,7 +18,7 @@ struct PosedSubject {
     TrianglesAtRest rest;
     const LightData* light = nullptr;             // null: none
     std::span<const Vec3f> normals = {};          // V, of RestNormals; empty: computed in each pose that needs them, which costs time
-    const ClothClearance* clearance = nullptr;    // of the same avatar; null: clothes may enter the body
+    const ClothLimits* cloth = nullptr;           // of the same avatar; null: clothes may enter the body, and tear
     const ExpressionData* expressions = nullptr;  // null: none
 };
 
@@ -55,7 +55,7 @@ public:
     std::span<const float> sceneLight() const { return scene_; }               // V, their part of the light of the scene; empty: 1
     std::span<const Mat3x4f> worldFromRest() const { return worldFromRest_; }  // one per joint
     std::span<const float> coefficients() const { return coefficients_; }      // K + K' of the correctives, S of the expressions
-    std::span<const Vec4f> nodes() const { return nodes_; }                    // M, of the correctives, pushed out of the body
+    std::span<const Vec4f> nodes() const { return nodes_; }                    // M, of the correctives, within the limits of cloth
     float pushedM() const { return pushedM_; }                                 // by how much at most
 
 private:
@@ -64,7 +64,8 @@ private:
     float pushedM_ = 0;
     std::vector<float> coefficients_, light_, scene_;
     std::vector<Vec4f> nodes_;
-    std::vector<Vec3f> moved_, positions_, normals_, pushes_;
+    std::vector<Vec3f> moved_, positions_, normals_;
+    ClothScratch cloth_;
     std::vector<Mat3x4f> worldFromRest_;
     std::vector<TriangleFrame<float>> frames_;
 };

@@ -97,7 +97,7 @@ Result<std::unique_ptr<PreparedSubject>> AvatarStore::prepareAvatar(std::shared_
     subject.residentBytes = splats.bytes() + posingBytes(*avatar) + records.triangles.size() * sizeof(gpu::TriangleRecord) +
                             records.vertices.size() * sizeof(gpu::VertexRecord) +
                             records.correctedVertices.size() * sizeof(gpu::CorrectedVertexRecord);
-    subject.clearance = ClothClearance(avatar->joints, avatar->mesh, avatar->correctives);
+    subject.cloth = ClothLimits(avatar->joints, avatar->mesh, avatar->correctives);
     subject.avatar = std::move(avatar);
     subject.records = std::move(kept);
     return std::unique_ptr<PreparedSubject>(std::move(prepared));

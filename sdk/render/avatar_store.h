@@ -6,7 +6,7 @@
 #include <memory>
 #include <optional>
 
-#include "sdk/avatar/cloth_clearance.h"
+#include "sdk/avatar/cloth_limits.h"
 #include "sdk/draw/renderer.h"
 #include "sdk/render/avatar_upload.h"
 #include "sdk/render/device_buffers.h"
@@ -41,7 +41,7 @@ struct LoadedSubject {
     uint64_t residentBytes = 0;             // device memory of the splats and of all that poses them
     uint64_t splatBytes = 0;                // the part of residentBytes that holds splats
     Components components;                  // of an avatar; those out of view need no posing
-    ClothClearance clearance;               // of an avatar
+    ClothLimits cloth;                      // of an avatar
     DetailSubject detail;                   // of an avatar
     GeneralDetailSubject generalDetail;     // of general splats
 

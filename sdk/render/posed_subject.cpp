@@ -13,10 +13,10 @@ void poseAvatar(const LoadedSubject& subject, const Pose& pose, DrawnSubject& ou
         out.coefficients.clear(), out.nodes.clear();
         return;
     }
-    correctiveCoefficients(avatar.correctives, pose, out.coefficients);
+    const float drawn = correctiveCoefficients(avatar.correctives, pose, out.coefficients).drawn;
     correctiveNodes(avatar.correctives, out.coefficients, out.nodes);
     addExpression(avatar.expressions, pose.expression, out.coefficients, out.nodes);
-    out.pushedM = subject.clearance.push(out.worldFromRest, out.nodes, out.pushes);
+    out.pushedM = subject.cloth.apply(out.worldFromRest, drawn, out.nodes, out.cloth);
 }
 
 PosedSet SubjectPoser::pose(std::span<const Drawn> what, std::span<LoadedSubject* const> subjects, const FrameViews& views,

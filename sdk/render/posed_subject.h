@@ -3,7 +3,7 @@
 //
 //   placement, views ─► the views in the space of the subject
 //   pose, joints ─► joint transforms ─► level of detail (of all subjects together) ─► components out of view
-//   pose ─► coefficients of the pose correctives ─► control nodes, expressions added ─► out of the body
+//   pose ─► coefficients of the pose correctives ─► control nodes, expressions added ─► limits of cloth
 #pragma once
 
 #include <array>
@@ -18,14 +18,14 @@ namespace dpl {
 struct DrawnSubject {
     std::vector<Mat3x4f> worldFromRest;  // of each joint
     std::vector<float> coefficients;     // of the pose correctives, then of the expressions; empty without control nodes
-    std::vector<Vec4f> nodes;            // their control nodes, pushed out of the body
-    std::vector<Vec3f> pushes;           // scratch
-    float pushedM = 0;                   // by how much at most
-    SplatDetail detail;                  // of an avatar
-    GeneralDetail generalDetail;         // of general splats
-    float drawnShare = 1;                // upper bound of the share of its splats that this level of detail draws
-    float largestGrowth = 1;             // upper bound of the factor by which it enlarges splats
-    SubjectViews views;                  // of the draw
+    std::vector<Vec4f> nodes;            // their control nodes, within the limits of cloth
+    ClothScratch cloth;
+    float pushedM = 0;            // by how much at most
+    SplatDetail detail;           // of an avatar
+    GeneralDetail generalDetail;  // of general splats
+    float drawnShare = 1;         // upper bound of the share of its splats that this level of detail draws
+    float largestGrowth = 1;      // upper bound of the factor by which it enlarges splats
+    SubjectViews views;           // of the draw
     std::array<uint32_t, gpu::kMaxViews>
         unseen{};  // for each frame of the draw: bits of the components that its views cannot show, and of hidden layers
 };

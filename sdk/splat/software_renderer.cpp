@@ -44,7 +44,7 @@ struct Drawable final : PreparedSubject {
     // An avatar; null: general splats.
     std::shared_ptr<const AvatarData> avatar;
     std::vector<Vec3f> normals;  // at rest; empty without light
-    ClothClearance clearance;
+    ClothLimits cloth;
     CodedSplats splats;
     float trainedPixelM = 0;
     Components components;
@@ -63,7 +63,7 @@ struct Drawable final : PreparedSubject {
         for (const RenderedView& p : pictures)
             pictureBytes += p.rgba.capacity() + (p.depthM.capacity() + p.meshDepthM.capacity()) * sizeof(float);
         return pictureBytes + general.bytes() + splats.bytes() + (avatar ? posingBytes(*avatar) : 0) + normals.size() * sizeof(Vec3f) +
-               clearance.bytes() + mesh.frames().size_bytes() + mesh.positions().size_bytes() + mesh.rest().size_bytes() +
+               cloth.bytes() + mesh.frames().size_bytes() + mesh.positions().size_bytes() + mesh.rest().size_bytes() +
                mesh.light().size_bytes() + mesh.sceneLight().size_bytes() + mesh.worldFromRest().size_bytes() +
                mesh.coefficients().size_bytes() + mesh.nodes().size_bytes();
     }
@@ -90,7 +90,7 @@ public:
             Components(*avatar, componentsOf(*avatar), reachOfTriangles(drawable->splats, avatar->mesh.triangles.size()));
         drawable->kappaPx2 = avatar->kappaPx2, drawable->compensated = avatar->compensated, drawable->trainedPixelM = avatar->trainedPixelM;
         if (!avatar->light.empty()) drawable->normals = restVertexNormals(avatar->mesh);
-        drawable->clearance = ClothClearance(avatar->joints, avatar->mesh, avatar->correctives);
+        drawable->cloth = ClothLimits(avatar->joints, avatar->mesh, avatar->correctives);
         drawable->avatar = std::move(avatar);
         return std::unique_ptr<PreparedSubject>(std::move(drawable));
     }
@@ -276,8 +276,7 @@ private:
     }
 
     static PosedSubject posedSubject(const Drawable& d) {
-        return {d.avatar->joints, d.avatar->mesh, d.avatar->correctives, {},
-                &d.avatar->light, d.normals,      &d.clearance,          &d.avatar->expressions};
+        return {d.avatar->joints, d.avatar->mesh, d.avatar->correctives, {}, &d.avatar->light, d.normals, &d.cloth, &d.avatar->expressions};
     }
 
     /** Poses the surface of each avatar of together_ that some view may show, and sets `seen` of all. */

@@ -53,7 +53,7 @@ public:
     /** Bits of the components of which no view can show a splat or a vertex. Conservative: a component that shows is never among them
      * (tests/reference/components_test.cpp). worldFromRest: jointTransforms; coefficients: correctiveCoefficients, addExpression; kappaPx2:
      * of a pixel; growth: largest growth of a splat by level of detail, ≥ 1. The views are in the avatar's own space and metres; scale:
-     * metres of the world that one of these takes. pushedM: by how much nodes differ from the sum of the modes at most (ClothClearance).
+     * metres of the world that one of these takes. pushedM: by how much nodes differ from the sum of the modes at most (ClothLimits).
      * Numbers that are not finite leave nothing out. Allocates nothing. */
     uint32_t unseen(std::span<const Mat3x4f> worldFromRest, std::span<const float> coefficients, std::span<const Cameraf> views,
                     float kappaPx2, float growth, float scale = 1, float pushedM = 0) const;

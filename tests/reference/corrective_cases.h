@@ -194,7 +194,7 @@ inline void expectCorrectivesMatch(const char* renderer, const CorrectedVertices
             free.reachOffModes = 1e6f;
             const auto lengthOf = [&](const PoseCorrectiveData& data) {
                 double sum = 0;
-                const std::vector<double> all = referenceCoefficients(data, pose);
+                const std::vector<double> all = referenceCoefficients(data, pose).k;
                 for (size_t i = 0; i < data.modeCount; ++i) sum += all[i] * all[i];
                 return std::sqrt(sum);
             };

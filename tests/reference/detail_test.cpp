@@ -36,7 +36,8 @@ struct DetailSubject {
     SplatImage draw(const SplatDetail& detail, uint32_t threads = 2, uint32_t* visible = nullptr) const {
         Jobs jobs(threads);
         PosedMesh mesh;
-        mesh.pose({avatar.joints, avatar.mesh, avatar.correctives, {}}, pose, jobs);
+        const ClothLimits cloth(avatar.joints, avatar.mesh, avatar.correctives);
+        mesh.pose({avatar.joints, avatar.mesh, avatar.correctives, {}, nullptr, {}, &cloth}, pose, jobs);
         SplatEngine engine(jobs);
         SplatImage image;
         engine.project(coded, mesh.frames(), camera, avatar.kappaPx2, avatar.compensated, 1, detail);

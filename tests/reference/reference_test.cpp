@@ -128,11 +128,11 @@ Pose quarterTurnOfTheChild() {
 TEST(Reference, correctivesFollowTheirFormula) {
     AvatarData avatar = correctedPoint();
     const Pose pose = quarterTurnOfTheChild();
-    std::vector<double> k = referenceCoefficients(avatar.correctives, pose);
+    std::vector<double> k = referenceCoefficients(avatar.correctives, pose).k;
     EXPECT_NEAR(k[0], -1 + 2 * (1 - 0.5), 1e-7);
     EXPECT_NEAR(k[1], 3, 1e-7);
     avatar.correctives.mean[1] = 0;
-    k = referenceCoefficients(avatar.correctives, pose);  // (1, 3)
+    k = referenceCoefficients(avatar.correctives, pose).k;  // (1, 3)
     EXPECT_NEAR(k[0], 1, 1e-7);
     const ReferenceCorrection whole = referenceCorrection(avatar, pose);
     EXPECT_NEAR(glm::length(whole.offset[0] - glm::dvec3(0.2 * 0.1, 0.2 * 3 * 0.2, 0.8 * 0.05)), 0, 1e-7);

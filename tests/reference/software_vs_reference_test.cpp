@@ -30,7 +30,8 @@ TEST(SoftwareVsReference, randomAvatarsPosesAndViews) {
 SplatImage drawPosed(const AvatarData& avatar, const Pose& pose, const Cameraf& camera, PosedMesh& mesh) {
     Jobs jobs(2);
     const std::vector<RestTriangle<float>> bind = restTriangles(avatar.mesh);
-    mesh.pose({avatar.joints, avatar.mesh, avatar.correctives, {bind}, &avatar.light}, pose, jobs);
+    const ClothLimits cloth(avatar.joints, avatar.mesh, avatar.correctives);
+    mesh.pose({avatar.joints, avatar.mesh, avatar.correctives, {bind}, &avatar.light, {}, &cloth}, pose, jobs);
     SplatEngine engine(jobs);
     const EngineInput splats(sceneOf(avatar, pose));
     SplatImage image;
@@ -86,9 +87,9 @@ TEST(SoftwareVsReference, correctivesMoveAndLightTheSurface) {
         PoseCorrectiveData onlyReach = avatar.correctives, unlimited = avatar.correctives;
         onlyReach.reachOffModes = 1e6f;
         unlimited.reach = unlimited.reachOffModes = 1e6f;
-        const double free = length(referenceCoefficients(unlimited, pose));
+        const double free = length(referenceCoefficients(unlimited, pose).k);
         EXPECT_EQ(free > avatar.correctives.reach, c.beyondReach) << c.name << ": " << free;
-        EXPECT_EQ(length(referenceCoefficients(avatar.correctives, pose)) < 0.99 * length(referenceCoefficients(onlyReach, pose)),
+        EXPECT_EQ(length(referenceCoefficients(avatar.correctives, pose).k) < 0.99 * length(referenceCoefficients(onlyReach, pose).k),
                   c.offTheModes)
             << c.name;
         // Without correctives the picture differs clearly, so the comparison above says something.

@@ -77,7 +77,7 @@ public:
           truth_(std::move(truth)),
           jobs_(jobs),
           bind_(restTriangles(avatar.mesh)),
-          clearance_(avatar.joints, avatar.mesh, avatar.correctives) {
+          cloth_(avatar.joints, avatar.mesh, avatar.correctives) {
         for (size_t j = 0; j < avatar.joints.size(); ++j)
             if (avatar.joints[j].humanoidBone == "hips") hips_ = j;
         std::vector<size_t> stills;
@@ -122,8 +122,7 @@ public:
 
     std::vector<Vec3f> posed(const Pose& pose, bool correctives) {
         static const PoseCorrectiveData kNone;
-        posed_.pose({avatar_.joints, avatar_.mesh, correctives ? avatar_.correctives : kNone, {bind_}, nullptr, {}, &clearance_}, pose,
-                    jobs_);
+        posed_.pose({avatar_.joints, avatar_.mesh, correctives ? avatar_.correctives : kNone, {bind_}, nullptr, {}, &cloth_}, pose, jobs_);
         return {posed_.positions().begin(), posed_.positions().end()};
     }
 
@@ -180,7 +179,7 @@ private:
     const TrueMesh truth_;
     Jobs& jobs_;
     std::vector<RestTriangle<float>> bind_;
-    ClothClearance clearance_;
+    ClothLimits cloth_;
     PosedMesh posed_;
     size_t hips_ = 0;
     std::vector<size_t> stills_;

@@ -268,7 +268,7 @@ Status compareOnRun(const std::filesystem::path& scan, const std::filesystem::pa
     const SplatData& s = avatar.splats;
     const PackedSplats splats(BoundSplatView{triangle, s.uv, s.phi, s.scaleM, s.opacity, s.flags, s.shDegree, s.sh});
     const std::vector<RestTriangle<float>> bind = restTriangles(avatar.mesh);
-    const ClothClearance clearance(avatar.joints, avatar.mesh, avatar.correctives);
+    const ClothLimits cloth(avatar.joints, avatar.mesh, avatar.correctives);
     const RestNormals normalsOf(avatar.mesh);
     const std::vector<Vec3f> rest = restVertexNormals(avatar.mesh);
     const size_t skinCount = avatar.mesh.layers.empty() ? rest.size() : avatar.mesh.layers.front().vertexCount;
@@ -283,8 +283,8 @@ Status compareOnRun(const std::filesystem::path& scan, const std::filesystem::pa
         const ScanFrame& frame = run.scan.frames[f];
         if (frame.kind != FrameKind::Dynamic || run.poses.frames[f].split != Split::Test || frame.maskPath.empty()) continue;
         DPL_TRY(const FramePicture picture, readFramePicture(frame));
-        posed.pose({avatar.joints, avatar.mesh, avatar.correctives, {bind}, &avatar.light, rest, &clearance},
-                   run.poses.frames[f].bestPose(), jobs);
+        posed.pose({avatar.joints, avatar.mesh, avatar.correctives, {bind}, &avatar.light, rest, &cloth}, run.poses.frames[f].bestPose(),
+                   jobs);
         normalsOf.compute(posed.positions(), avatar.mesh.triangles, normals);
         std::vector<float> ways[3];  // as it ships, by posed normals, without
         ways[0].assign(posed.light().begin(), posed.light().end());

@@ -86,7 +86,7 @@ public:
           jobs_(jobs),
           engine_(jobs),
           bind_(restTriangles(avatar.mesh)),
-          clearance_(avatar.joints, avatar.mesh, avatar.correctives) {
+          cloth_(avatar.joints, avatar.mesh, avatar.correctives) {
         std::vector<uint32_t> triangle;
         for (size_t t = 0; t + 1 < avatar.splats.triangleStart.size(); ++t)
             triangle.resize(avatar.splats.triangleStart[t + 1], uint32_t(t));
@@ -97,8 +97,8 @@ public:
     /** Poses the avatar by its rig, with or without its pose correctives. */
     std::vector<Vec3f> pose(const Pose& pose, bool correctives = true) {
         static const PoseCorrectiveData kNone;
-        posed_.pose({avatar_.joints, avatar_.mesh, correctives ? avatar_.correctives : kNone, {bind_}, &avatar_.light, {}, &clearance_},
-                    pose, jobs_);
+        posed_.pose({avatar_.joints, avatar_.mesh, correctives ? avatar_.correctives : kNone, {bind_}, &avatar_.light, {}, &cloth_}, pose,
+                    jobs_);
         return {posed_.positions().begin(), posed_.positions().end()};
     }
     /** RGBA with straight alpha. positions: V, world; the light is that of the last pose(). */
@@ -119,7 +119,7 @@ private:
     Jobs& jobs_;
     SplatEngine engine_;
     std::vector<RestTriangle<float>> bind_;
-    ClothClearance clearance_;
+    ClothLimits cloth_;
     PackedSplats splats_;
     PosedMesh posed_;
     std::vector<TriangleFrame<float>> frames_;

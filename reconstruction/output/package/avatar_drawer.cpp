@@ -8,10 +8,10 @@
 
 namespace dpl {
 
-AvatarDrawer::AvatarDrawer(const AvatarData& avatar, Jobs& jobs, const ClothClearance* clearance)
+AvatarDrawer::AvatarDrawer(const AvatarData& avatar, Jobs& jobs, const ClothLimits* cloth)
     : avatar_(avatar),
       jobs_(jobs),
-      clearance_(clearance),
+      cloth_(cloth),
       engine_(jobs),
       rest_(restTriangles(avatar.mesh)),
       normals_(restVertexNormals(avatar.mesh)),
@@ -22,7 +22,7 @@ AvatarDrawer::AvatarDrawer(const AvatarData& avatar, Jobs& jobs, const ClothClea
 
 SplatEngine& AvatarDrawer::project(const Pose& pose, const Cameraf& camera) {
     const SplatData& s = avatar_.splats;
-    mesh_.pose({avatar_.joints, avatar_.mesh, avatar_.correctives, {rest_}, &avatar_.light, normals_, clearance_}, pose, jobs_);
+    mesh_.pose({avatar_.joints, avatar_.mesh, avatar_.correctives, {rest_}, &avatar_.light, normals_, cloth_}, pose, jobs_);
     engine_.project(BoundSplatView{triangle_, s.uv, s.phi, s.scaleM, s.opacity, s.flags, s.shDegree, s.sh}, mesh_.frames(), camera,
                     avatar_.kappaPx2, avatar_.compensated);
     engine_.bin();

@@ -15,8 +15,8 @@ namespace dpl {
 /** Poses and projects an avatar, reusing its buffers between pictures. The avatar must outlive it. */
 class AvatarDrawer {
 public:
-    /** clearance: null, or of the same avatar. */
-    AvatarDrawer(const AvatarData& avatar, Jobs& jobs, const ClothClearance* clearance = nullptr);
+    /** cloth: null, or of the same avatar. */
+    AvatarDrawer(const AvatarData& avatar, Jobs& jobs, const ClothLimits* cloth = nullptr);
     SplatEngine& project(const Pose& pose, const Cameraf& camera);
     /** Vertices of the last pose. */
     std::span<const Vec3f> positions() const { return mesh_.positions(); }
@@ -24,7 +24,7 @@ public:
 private:
     const AvatarData& avatar_;
     Jobs& jobs_;
-    const ClothClearance* clearance_;
+    const ClothLimits* cloth_;
     SplatEngine engine_;
     std::vector<RestTriangle<float>> rest_;
     std::vector<Vec3f> normals_;

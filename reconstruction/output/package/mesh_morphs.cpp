@@ -17,8 +17,8 @@ Vec3f snapped(const Vec3f& v, float step) {
 }  // namespace
 
 DrawnAtRest drawnAtRest(const AvatarData& avatar) {
-    const ClothClearance clearance(avatar.joints, avatar.mesh, avatar.correctives);
-    const PosedSubject subject{avatar.joints, avatar.mesh, avatar.correctives, {}, nullptr, {}, &clearance, &avatar.expressions};
+    const ClothLimits cloth(avatar.joints, avatar.mesh, avatar.correctives);
+    const PosedSubject subject{avatar.joints, avatar.mesh, avatar.correctives, {}, nullptr, {}, &cloth, &avatar.expressions};
     Jobs alone(1);
     PosedMesh posed;
     const auto drawn = [&](const Pose& pose) {

@@ -13,12 +13,12 @@ SplatPoser::SplatPoser(const AvatarData& avatar, float sunkM)
       sunkM_(sunkM),
       rest_(restTriangles(avatar.mesh)),
       normals_(avatar.light.empty() ? std::vector<Vec3f>() : restVertexNormals(avatar.mesh)),
-      clearance_(avatar.joints, avatar.mesh, avatar.correctives) {}
+      cloth_(avatar.joints, avatar.mesh, avatar.correctives) {}
 
 Result<StaticSplatData> SplatPoser::in(const Pose& pose, bool all) {
     const AvatarData& avatar = avatar_;
     DPL_RETURN_IF_ERROR(checkPose(avatar.joints, pose));
-    posed_.pose({avatar.joints, avatar.mesh, avatar.correctives, {rest_}, &avatar.light, normals_, &clearance_}, pose, jobs_);
+    posed_.pose({avatar.joints, avatar.mesh, avatar.correctives, {rest_}, &avatar.light, normals_, &cloth_}, pose, jobs_);
 
     const SplatData& in = avatar.splats;
     const uint32_t shFloats = 3 * shCoefficientCount(in.shDegree);

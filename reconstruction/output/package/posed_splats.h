@@ -31,7 +31,7 @@ private:
     Jobs jobs_{1};
     std::vector<RestTriangle<float>> rest_;
     std::vector<Vec3f> normals_;
-    ClothClearance clearance_;
+    ClothLimits cloth_;
     PosedMesh posed_;
     ShRotator rotator_;
 };

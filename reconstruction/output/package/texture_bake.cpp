@@ -194,8 +194,8 @@ Result<std::vector<uint8_t>> bakeTexture(const AvatarData& avatar, std::span<con
     {
         const TaskPart part(0, photographs.empty() ? 1 : kSplatsEnd);
         TextureBake bake(avatar.mesh, positions, texels, jobs);
-        const ClothClearance clearance(avatar.joints, avatar.mesh, avatar.correctives);
-        AvatarDrawer drawer(avatar, jobs, &clearance);
+        const ClothLimits cloth(avatar.joints, avatar.mesh, avatar.correctives);
+        AvatarDrawer drawer(avatar, jobs, &cloth);
         const Pose rest = Pose::rest(avatar.joints.size());
         SplatImage image;
         for (size_t v = 0; v < views.size(); ++v) {

@@ -205,13 +205,13 @@ Status addPhotographs(const AvatarData& avatar, const MeshAtlas& atlas, const At
                       std::span<const TrainFrame> photographs, std::span<Vec3f> colours, Jobs& jobs) {
     const std::vector<Triangle>& triangles = avatar.mesh.triangles;
     std::vector<Seen> seen(texels.all.size() * kBest);
-    const ClothClearance clearance(avatar.joints, avatar.mesh, avatar.correctives);
+    const ClothLimits cloth(avatar.joints, avatar.mesh, avatar.correctives);
     PosedMesh posed;
     for (size_t f = 0; f < photographs.size(); ++f) {
         const TrainFrame& frame = photographs[f];
         DPL_RETURN_IF_ERROR(taskAt(double(f) / double(photographs.size()), "photograph " + frame.name));
         DPL_TRY(const auto picture, frame.picture.get());
-        posed.pose({avatar.joints, avatar.mesh, avatar.correctives, {}, nullptr, {}, &clearance}, frame.pose, jobs);
+        posed.pose({avatar.joints, avatar.mesh, avatar.correctives, {}, nullptr, {}, &cloth}, frame.pose, jobs);
         const std::span<const Vec3f> positions = posed.positions();
         const Drawn drawn = draw(positions, triangles, atlas, texture, frame.camera);
         const Missing missing = missingIn(drawn, *picture);

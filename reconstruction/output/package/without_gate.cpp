@@ -36,14 +36,14 @@ std::vector<Cameraf> viewsOf(std::span<const Vec3f> vertices) {
 }
 
 /** What each splat adds to each view. */
-std::vector<std::vector<double>> contributions(const AvatarData& avatar, const ClothClearance& clearance, const Pose& pose,
+std::vector<std::vector<double>> contributions(const AvatarData& avatar, const ClothLimits& cloth, const Pose& pose,
                                                std::span<const Cameraf> views, Jobs& jobs) {
     std::vector<std::vector<double>> out(views.size(), std::vector<double>(avatar.splats.count(), 0.0));
     std::vector<std::unique_ptr<Jobs>> alone(jobs.threadCount());
     std::vector<std::unique_ptr<AvatarDrawer>> drawers(jobs.threadCount());
     jobs.forBlocks(views.size(), [&](size_t v, uint32_t worker) {
         if (!drawers[worker])
-            alone[worker] = std::make_unique<Jobs>(1), drawers[worker] = std::make_unique<AvatarDrawer>(avatar, *alone[worker], &clearance);
+            alone[worker] = std::make_unique<Jobs>(1), drawers[worker] = std::make_unique<AvatarDrawer>(avatar, *alone[worker], &cloth);
         addContributions(drawers[worker]->project(pose, views[v]), views[v], out[v]);
     });
     return out;
@@ -56,7 +56,7 @@ Result<std::vector<float>> opacityWithoutGate(const AvatarData& avatar, std::spa
     std::vector<float> factor(count, 1.0f);
     if (std::none_of(avatar.splats.flags.begin(), avatar.splats.flags.end(), [](uint8_t f) { return (f & kSplatSingleFace) != 0; }))
         return factor;
-    const ClothClearance clearance(avatar.joints, avatar.mesh, avatar.correctives);
+    const ClothLimits cloth(avatar.joints, avatar.mesh, avatar.correctives);
     AvatarData ungated = avatar;
     for (uint8_t& flags : ungated.splats.flags) flags &= uint8_t(~kSplatSingleFace);
 
@@ -67,15 +67,15 @@ Result<std::vector<float>> opacityWithoutGate(const AvatarData& avatar, std::spa
     for (const Pose& pose : poses) {
         DPL_RETURN_IF_ERROR(look());
         PosedMesh posed;
-        posed.pose({avatar.joints, avatar.mesh, avatar.correctives, {}, &avatar.light, {}, &clearance}, pose, jobs);
+        posed.pose({avatar.joints, avatar.mesh, avatar.correctives, {}, &avatar.light, {}, &cloth}, pose, jobs);
         views.push_back(viewsOf(posed.positions()));
-        gatedAdds.push_back(contributions(avatar, clearance, pose, views.back(), jobs));
+        gatedAdds.push_back(contributions(avatar, cloth, pose, views.back(), jobs));
     }
     for (uint32_t fit = 0; fit < kFits; ++fit) {
         std::vector<double> both(count, 0.0), own(count, 0.0);  // Σ u·g, Σ u²
         for (size_t p = 0; p < poses.size(); ++p) {
             DPL_RETURN_IF_ERROR(look());
-            const auto adds = contributions(ungated, clearance, poses[p], views[p], jobs);
+            const auto adds = contributions(ungated, cloth, poses[p], views[p], jobs);
             for (size_t v = 0; v < adds.size(); ++v)
                 for (size_t i = 0; i < count; ++i) {
                     const double u = adds[v][i];

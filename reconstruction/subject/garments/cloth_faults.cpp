@@ -28,7 +28,7 @@ struct Clothed {
     std::vector<Triangle> triangles;  // of garments
     std::vector<const LayerData*> garments;
     std::vector<RestTriangle<float>> bind;  // of the whole mesh
-    ClothClearance clearance;
+    ClothLimits cloth;
     bool empty() const { return body.empty() || vertices.empty(); }
 
     explicit Clothed(const AvatarData& from) : avatar(from), vertices(garmentVertices(from.mesh)) {
@@ -41,10 +41,10 @@ struct Clothed {
         }
         if (empty()) return;
         bind = restTriangles(from.mesh);
-        clearance = ClothClearance(from.joints, from.mesh, from.correctives);
+        cloth = ClothLimits(from.joints, from.mesh, from.correctives);
     }
     void pose(const Pose& pose, Jobs& jobs, PosedMesh& posed) const {
-        posed.pose({avatar.joints, avatar.mesh, avatar.correctives, {bind}, nullptr, {}, &clearance}, pose, jobs);
+        posed.pose({avatar.joints, avatar.mesh, avatar.correctives, {bind}, nullptr, {}, &cloth}, pose, jobs);
     }
 };
 

@@ -121,8 +121,8 @@ TEST(ClothClearance, leavesAloneWhatHangsOnNoJointAndPosesThatAreNoNumbers) {
 
 TEST(ClothClearance, aPosedMeshHasTheSameBytesOnAnyThreads) {
     const AvatarData a = clothedLegs();
-    const ClothClearance clearance(a.joints, a.mesh, a.correctives);
-    const PosedSubject with{a.joints, a.mesh, a.correctives, {}, nullptr, {}, &clearance}, without{a.joints, a.mesh, a.correctives, {}};
+    const ClothLimits cloth(a.joints, a.mesh, a.correctives);
+    const PosedSubject with{a.joints, a.mesh, a.correctives, {}, nullptr, {}, &cloth}, without{a.joints, a.mesh, a.correctives, {}};
     Jobs one(1), three(3);
     PosedMesh first, second, plain;
     const Pose walk = stride(1, -0.3f);
@@ -142,8 +142,8 @@ TEST(ClothClearance, aPosedMeshHasTheSameBytesOnAnyThreads) {
 TEST(ClothClearance, lastDigitsOfTheFactorsMoveNoVertexByAMicrometre) {
     const AvatarData a = clothedLegs();
     const MotionModeData& motion = a.correctives.motion;
-    const ClothClearance clearance(a.joints, a.mesh, a.correctives);
-    const PosedSubject subject{a.joints, a.mesh, a.correctives, {}, nullptr, {}, &clearance};
+    const ClothLimits cloth(a.joints, a.mesh, a.correctives);
+    const PosedSubject subject{a.joints, a.mesh, a.correctives, {}, nullptr, {}, &cloth};
     Jobs jobs(1);
     PosedMesh first, second;
     MotionState x, y;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Garment nodes pushed out of the body, in double precision (docs/reference/correctives.md, "Clearance").
+// Garment nodes within their limits, in double precision (docs/reference/correctives.md, "Clearance", "Strain").
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -13,7 +13,8 @@ namespace {
 
 constexpr double kTurn = 2 * 3.14159265358979323846;
 constexpr int kRings = 10, kSectors = 24;
-constexpr double kFadeM = 0.03, kKeptM = 0.005, kHeard = 0.01, kSinks = 0.01, kApartShare = 0.15, kBeyond = 1.3, kThinnest = 0.1;
+constexpr double kFadeM = 0.03, kKeptM = 0.005, kHeard = 0.01, kSinks = 0.01, kApartShare = 0.15, kBeyond = 1.3, kThinnest = 0.1,
+                 kStrain = 0.6, kFilmed = 0.3;
 
 struct Tube {
     uint32_t joint;
@@ -109,12 +110,58 @@ std::vector<Tube> tubesOf(const AvatarData& avatar, const LayerData& body) {
     return tubes;
 }
 
-}  // namespace
+/** By how much two nodes may differ, metres: an edge whose weights go over from nodes to others by `share` strains by at most share times
+ *  their largest difference. */
+std::map<std::pair<uint32_t, uint32_t>, double> mostApart(const AvatarData& avatar) {
+    const PoseCorrectiveData& c = avatar.correctives;
+    const size_t columns = c.nodes.size() / c.nodeCount;
+    std::map<std::pair<uint32_t, uint32_t>, double> limits;
+    for (const LayerData& layer : avatar.mesh.layers)
+        for (uint32_t t = layer.firstTriangle; layer.role == "garment" && t < layer.firstTriangle + layer.triangleCount; ++t)
+            for (int k = 0; k < 3; ++k) {
+                const uint32_t from = avatar.mesh.triangles[t][k], to = avatar.mesh.triangles[t][(k + 1) % 3];
+                const double length = glm::length(glm::dvec3(avatar.mesh.restPositions[from]) - glm::dvec3(avatar.mesh.restPositions[to]));
+                std::map<uint32_t, double> gained;
+                double share = 0;
+                for (int i = 0; i < 4; ++i) {
+                    gained[c.nodeIndices[to][i]] += c.nodeWeights[to][i] / 255.0;
+                    gained[c.nodeIndices[from][i]] -= c.nodeWeights[from][i] / 255.0;
+                }
+                for (const auto& [node, weight] : gained) share += std::max(0.0, weight);
+                for (const auto& [a, gain] : gained)
+                    for (const auto& [b, loss] : gained) {
+                        if (length < 1e-4 || gain < 1e-9 || loss > -1e-9) continue;
+                        const auto learned = [&](uint32_t node, size_t i) { return glm::vec3(c.nodes[node * columns + i]); };
+                        bool same = true;
+                        for (size_t i = 0; i < columns; ++i) same = same && learned(a, i) == learned(b, i);
+                        if (same) continue;
+                        const auto known = limits.try_emplace({std::min(a, b), std::max(a, b)}, kStrain * length / share).first;
+                        known->second = std::min(known->second, kStrain * length / share);
+                    }
+            }
+    return limits;
+}
 
-std::vector<glm::dvec3> referencePushes(const AvatarData& avatar, const Pose& pose, const std::vector<glm::dvec3>& offsets) {
+/** drawn: share of the pose correctives; in poses of the film offsets are as they were learned. */
+std::vector<glm::dvec3> eased(const AvatarData& avatar, double drawn, std::vector<glm::dvec3> offsets) {
+    if (drawn / kFilmed >= 0.99) return offsets;
+    const auto limits = mostApart(avatar);
+    for (int sweep = 0; sweep < 2; ++sweep)
+        for (const auto& [nodes, learned] : limits) {
+            const double most = learned / (1 - drawn / kFilmed);
+            glm::dvec3 &a = offsets[nodes.first], &b = offsets[nodes.second];
+            const glm::dvec3 apart = a - b;
+            if (glm::length(apart) <= most) continue;
+            const glm::dvec3 step = 0.5 * (1 - most / glm::length(apart)) * apart;
+            a -= step, b += step;
+        }
+    return offsets;
+}
+
+std::vector<glm::dvec3> pushedOut(const AvatarData& avatar, const Pose& pose, const std::vector<glm::dvec3>& offsets) {
     const PoseCorrectiveData& c = avatar.correctives;
     const MeshData& mesh = avatar.mesh;
-    std::vector<glm::dvec3> out(c.nodeCount, glm::dvec3(0));
+    std::vector<glm::dvec3> out = offsets;
     const auto body = std::find_if(mesh.layers.begin(), mesh.layers.end(), [](const LayerData& l) { return l.role == "body"; });
     if (c.motion.groups.empty() || body == mesh.layers.end()) return out;
     const std::vector<Tube> tubes = tubesOf(avatar, *body);
@@ -186,10 +233,17 @@ std::vector<glm::dvec3> referencePushes(const AvatarData& avatar, const Pose& po
             if (n.push == glm::dvec3(0) || glm::determinant(carry) <= kThinnest) continue;
             const glm::dvec3 wanted = offsets[index] + glm::inverse(carry) * n.push;
             const double limit = std::max(kBeyond * longest, glm::length(offsets[index]));
-            out[index] = std::min(1.0, limit / glm::length(wanted)) * wanted - offsets[index];
+            out[index] = std::min(1.0, limit / glm::length(wanted)) * wanted;
         }
     }
     return out;
+}
+
+}  // namespace
+
+std::vector<glm::dvec3> referenceClothNodes(const AvatarData& avatar, const Pose& pose, double drawn,
+                                            const std::vector<glm::dvec3>& offsets) {
+    return eased(avatar, drawn, pushedOut(avatar, pose, offsets));
 }
 
 }  // namespace dpl
