@@ -456,7 +456,7 @@ def take_2k(place):
     if not (scan / "scan.json").exists():
         shutil.rmtree(scan, ignore_errors=True)
         place.run("scan-2k", [place.program("doppel"), "sample", "-o", scan, "--size", "1080x1440", "--chart"])
-    return quality_rows(reconstruct(place, "quality-2k", scan, ["--preset", "high", "--time-budget", 40]), {})
+    return quality_rows(reconstruct(place, "quality-2k", scan, ["--preset", "high", "--time-budget", 75]), {})
 
 
 def take_frames_2k(place):
@@ -541,8 +541,8 @@ BENCHES = [
     Bench("quality-scan-a-makehuman", "long", 8, "scan-a with the MakeHuman body",
           "doppel reconstruct ../shared/data/scan-a -o OUT --body makehuman.glb", DOPPEL,
           real("quality-scan-a-makehuman", "scan-a", SCAN_A_BARS, lambda place: ["--body", makehuman(place)])),
-    Bench("quality-2k", "long", 48, "1080 x 1440, a test chart on the shirt, preset high within 40 minutes",
-          "doppel sample -o SCAN --size 1080x1440 --chart && doppel reconstruct SCAN -o OUT --preset high --time-budget 40", DOPPEL, take_2k),
+    Bench("quality-2k", "long", 75, "1080 x 1440, a test chart on the shirt, preset high within 75 minutes",
+          "doppel sample -o SCAN --size 1080x1440 --chart && doppel reconstruct SCAN -o OUT --preset high --time-budget 75", DOPPEL, take_2k),
     Bench("frames-2k", "long", 5, "the avatar of quality-2k in the pictures of a phone and a headset", "doppel bench AVATAR", DOPPEL, take_frames_2k),
     Bench("quality-scan-c", "long", 8, "scan-c, preset standard", "doppel reconstruct ../shared/data/scan-c -o OUT", DOPPEL,
           real("quality-scan-c", "scan-c", SCAN_C_BARS, walks=True)),
