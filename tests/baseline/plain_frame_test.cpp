@@ -237,7 +237,7 @@ TEST(PlainFrame, aFileIsDrawnInThePoseThatItIsGiven) {
 }
 
 TEST(PlainFrame, aPackOfAnotherInterfaceIsRefused) {
-    const auto pack = readShaderPack(plain::shaderPack(), "the pack of frozen shaders", embeddedShaderInterface());
+    const auto pack = readShaderPack(plain::embeddedShaderPack(), "the pack of frozen shaders", embeddedShaderInterface());
     ASSERT_FALSE(pack);
     EXPECT_EQ(pack.error().code, Code::Version);
 }

@@ -8,24 +8,36 @@
 #include "tools/shaderpack/msl.h"
 
 namespace dpl {
+namespace training {  // generated from shaders/training
+uint64_t embeddedShaderInterface();
+}
 namespace {
 
-/** All shaders except the typed-buffer variants, which have no MSL. */
-ShaderPack fullPack() {
-    auto text = readTextFile(DOPPEL_SHADER_DIR "/shaders.dplpack");
+std::vector<Shader> shadersOf(const std::string& file, uint64_t interface) {
+    auto text = readTextFile(file);
     EXPECT_TRUE(text) << (text ? "" : text.error().message);
     if (!text) return {};
     const std::span<const uint8_t> bytes(reinterpret_cast<const uint8_t*>(text->data()), text->size());
-    auto pack = readShaderPack(bytes, "shaders.dplpack", embeddedShaderInterface());
+    auto pack = readShaderPack(bytes, file, interface);
     EXPECT_TRUE(pack) << (pack ? "" : pack.error().message);
-    if (pack) std::erase_if(pack->shaders, [](const Shader& s) { return s.name.ends_with(kTexelsSuffix); });
-    return pack ? *pack : ShaderPack{};
+    return pack ? pack->shaders : std::vector<Shader>{};
+}
+
+/** All shaders, those of training too, except the typed-buffer variants, which have no MSL. */
+std::vector<Shader> allShaders() {
+    std::vector<Shader> all = shadersOf(DOPPEL_SHADER_DIR "/shaders.dplpack", embeddedShaderInterface());
+    EXPECT_GE(all.size(), 14u);
+#ifdef DOPPEL_TRAINING_SHADERS
+    const std::vector<Shader> more = shadersOf(DOPPEL_SHADER_DIR "/training/shaders.dplpack", training::embeddedShaderInterface());
+    EXPECT_GE(more.size(), 14u);
+    all.insert(all.end(), more.begin(), more.end());
+#endif
+    std::erase_if(all, [](const Shader& s) { return s.name.ends_with(kTexelsSuffix); });
+    return all;
 }
 
 TEST(MetalText, everyShaderHasMslForIosAndMacosThatPassesTheLint) {
-    const ShaderPack pack = fullPack();
-    EXPECT_GE(pack.shaders.size(), 14u);
-    for (const Shader& shader : pack.shaders) {
+    for (const Shader& shader : allShaders()) {
         for (const std::string* text : {&shader.mslIos, &shader.mslMacos}) {
             EXPECT_FALSE(text->empty()) << shader.name;
             const Status status = lintMslStrictly(shader.name, *text);
@@ -35,7 +47,7 @@ TEST(MetalText, everyShaderHasMslForIosAndMacosThatPassesTheLint) {
 }
 
 TEST(MetalText, bindingsAndPushConstantsSitWhereTheMapSays) {
-    for (const Shader& shader : fullPack().shaders) {
+    for (const Shader& shader : allShaders()) {
         for (const std::string* text : {&shader.mslIos, &shader.mslMacos}) {
             for (const ShaderBinding& b : shader.bindings) {
                 const std::string place = (b.image ? "texture(" : "buffer(") + std::to_string(b.binding) + ")";
@@ -51,7 +63,7 @@ TEST(MetalText, bindingsAndPushConstantsSitWhereTheMapSays) {
 }
 
 TEST(MetalText, theViewIndexIsRealAndClipSpaceIsFlipped) {
-    for (const Shader& shader : fullPack().shaders) {
+    for (const Shader& shader : allShaders()) {
         if (shader.stage != ShaderStage::Vertex) continue;
         const bool multiview = shader.name.find("multiview") != std::string::npos;
         // Without its multiview option, SPIRV-Cross emits "gl_ViewIndex = 0" without a warning.
@@ -63,7 +75,7 @@ TEST(MetalText, theViewIndexIsRealAndClipSpaceIsFlipped) {
 
 TEST(MetalText, barriersOfSharedMemoryKeepTheThreadgroupFlag) {
     int barriers = 0;
-    for (const Shader& shader : fullPack().shaders) {
+    for (const Shader& shader : allShaders()) {
         const std::regex barrier(R"(threadgroup_barrier\(([^)]*)\))");
         for (std::sregex_iterator it(shader.mslIos.begin(), shader.mslIos.end(), barrier), end; it != end; ++it, ++barriers)
             EXPECT_NE((*it)[1].str().find("mem_threadgroup"), std::string::npos) << shader.name << ": " << it->str();

@@ -64,6 +64,7 @@ public:
     bool supports32BitMsaa() const override { return true; }
     bool hasUnifiedMemory() const override { return true; }
     uint64_t maxBufferBytes() const override { return 1u << 28; }
+    uint64_t workingSetBytes() const override { return 1u << 30; }
 
     using Seam::release;
     void release(void* object) override {

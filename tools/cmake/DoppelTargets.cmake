@@ -97,9 +97,9 @@ function(doppel_parts_of target parts)
   set(${parts} ${found} PARENT_SCOPE)
 endfunction()
 
-# doppel_shader_pack(name FOLDER [PACK_FUNCTION INTERFACE_FUNCTION]): a library with the compiled shaders of FOLDER/catalogue.json. The
-# files of tools/shaderpack are written into the current binary folder.
-function(doppel_shader_pack name folder)
+# doppel_shader_pack(name FOLDER METAL_NAME [NAMESPACE]): a library with the compiled shaders of FOLDER/catalogue.json, and one with those
+# for Metal. Their functions are in NAMESPACE (dpl). The files of tools/shaderpack are written into the current binary folder.
+function(doppel_shader_pack name folder metal)
   # One run compiles the whole catalogue; the depfile lists every file that it read.
   file(GLOB shared_headers CONFIGURE_DEPENDS ${folder}/shared/*.h)
   add_custom_command(OUTPUT ${CMAKE_CURRENT_BINARY_DIR}/shader_pack.cpp ${CMAKE_CURRENT_BINARY_DIR}/metal_pack.cpp
@@ -109,6 +109,11 @@ function(doppel_shader_pack name folder)
     DEPFILE ${CMAKE_CURRENT_BINARY_DIR}/shader_pack.d
     COMMENT "Building a shader pack: ${name} (SPIR-V, MSL, reflection)" VERBATIM)
   doppel_library(${name} SOURCES ${CMAKE_CURRENT_BINARY_DIR}/shader_pack.cpp)
+  doppel_library(${metal} SOURCES ${CMAKE_CURRENT_BINARY_DIR}/metal_pack.cpp)
+  if(NOT DOPPEL_METAL)
+    set_target_properties(${metal} PROPERTIES EXCLUDE_FROM_ALL ON)
+  endif()
+  add_dependencies(${metal} ${name})  # one run of the shader build
 endfunction()
 
 # doppel_test(name SOURCES a.cpp ... LINKS target ... [LABELS quick|slow|vulkan|sanitize ...]): one GoogleTest program and CTest entry.

@@ -12,8 +12,9 @@ namespace {
 const std::set<std::string> kFunctions = {
     // math and common; those of the namespace `fast` assume finite numbers
     "abs", "acos", "asin", "atan", "atan2", "ceil", "clamp", "cos", "exp", "exp2", "floor", "fma", "fmod", "fract", "ldexp", "log", "log2",
-    "max", "min", "mix", "pow", "powr", "precise::tanh", "rint", "round", "rsqrt", "saturate", "sign", "sin", "smoothstep", "sqrt", "step",
-    "tan", "trunc", "fast::clamp", "fast::max", "fast::min", "fast::normalize", "fast::length", "fast::distance",
+    "max", "min", "mix", "pow", "powr", "precise::atan2", "precise::tanh", "rint", "round", "rsqrt", "saturate", "sign", "sin",
+    "smoothstep", "sqrt", "step", "tan", "trunc", "fast::clamp", "fast::max", "fast::min", "fast::normalize", "fast::length",
+    "fast::distance",
     // geometric and relational
     "cross", "distance", "dot", "length", "normalize", "reflect", "determinant", "transpose", "all", "any", "isfinite", "isinf", "isnan",
     "select",

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// shaderpack ROOT CATALOGUE OUT [PACK INTERFACE]: compiles every shader of the catalogue and writes the results into OUT. Include paths
-// start at ROOT, shader paths at the catalogue's folder. Its subfolder shared/ is the interface with C++. Results:
-//   shader_pack.cpp             the pack without MSL as bytes, returned by the functions PACK and INTERFACE (qualified names)
-//   metal_pack.cpp              the same for the pack without SPIR-V; functions dpl::embeddedMetalPack and dpl::embeddedMetalInterface
+// shaderpack ROOT CATALOGUE OUT [NAMESPACE]: compiles every shader of the catalogue and writes the results into OUT. Include paths start at
+// ROOT, shader paths at the catalogue's folder. Its subfolder shared/ is the interface with C++. Results, whose functions are in NAMESPACE
+// (dpl):
+//   shader_pack.cpp             the pack without MSL as bytes; functions embeddedShaderPack and embeddedShaderInterface
+//   metal_pack.cpp              the same for the pack without SPIR-V; functions embeddedMetalPack and embeddedMetalInterface
 //   shaders.dplpack             the full pack, with SPIR-V and MSL
 //   msl/NAME.{ios,macos}.metal  the MSL as text
 //   shader_pack.d               dependencies for ninja
@@ -53,21 +54,8 @@ Result<uint64_t> hashInterface(const fs::path& shared) {
     return shaderHash({reinterpret_cast<const uint8_t*>(all.data()), all.size()});
 }
 
-/** Qualified names of the C++ functions that return the embedded pack and its interface hash. */
-struct FunctionNames {
-    std::string pack = "dpl::embeddedShaderPack", interface = "dpl::embeddedShaderInterface";
-};
-
-const FunctionNames kMetalNames{"dpl::embeddedMetalPack", "dpl::embeddedMetalInterface"};
-
-/** C++ text of a function that returns `body`. `function` is a qualified name. */
-std::string definition(const std::string& type, const std::string& function, const std::string& body) {
-    const size_t colons = function.rfind("::");
-    return "namespace " + function.substr(0, colons) + " {\n" + type + " " + function.substr(colons + 2) + "();\n" + type + " " +
-           function.substr(colons + 2) + "() { return " + body + "; }\n}\n";
-}
-
-std::string embedText(const std::vector<uint8_t>& bytes, uint64_t interfaceHash, const FunctionNames& names) {
+/** C++ text with a pack and the functions embedded<kind>Pack and embedded<kind>Interface, which return it and its interface hash. */
+std::string embedText(const std::vector<uint8_t>& bytes, uint64_t interfaceHash, const std::string& space, const std::string& kind) {
     std::string text =
         "// Written by tools/shaderpack; do not edit.\n#include <cstdint>\n#include <span>\nnamespace {\nconst uint8_t kPack[] = {";
     text.reserve(text.size() + bytes.size() * 4 + 512);
@@ -76,11 +64,16 @@ std::string embedText(const std::vector<uint8_t>& bytes, uint64_t interfaceHash,
         text += std::to_string(bytes[i]) + ',';
     }
     text += "\n};\n}  // namespace\n";
-    return text + definition("std::span<const uint8_t>", names.pack, "kPack") +
-           definition("uint64_t", names.interface, std::to_string(interfaceHash) + "ull");
+    const auto define = [&](const std::string& type, const std::string& function, const std::string& body) {
+        text += type + " " + function + "();\n" + type + " " + function + "() { return " + body + "; }\n";
+    };
+    text += "namespace " + space + " {\n";
+    define("std::span<const uint8_t>", "embedded" + kind + "Pack", "kPack");
+    define("uint64_t", "embedded" + kind + "Interface", std::to_string(interfaceHash) + "ull");
+    return text + "}\n";
 }
 
-Status run(const fs::path& root, const fs::path& cataloguePath, const fs::path& out, const FunctionNames& names) {
+Status run(const fs::path& root, const fs::path& cataloguePath, const fs::path& out, const std::string& space) {
     DPL_TRY(std::string text, readTextFile(cataloguePath));
     const auto catalogue = nlohmann::json::parse(text, nullptr, false);
     if (catalogue.is_discarded() || !catalogue.contains("shaders"))
@@ -125,10 +118,10 @@ Status run(const fs::path& root, const fs::path& cataloguePath, const fs::path& 
     ShaderPack metal = pack;
     std::erase_if(metal.shaders, [](const Shader& s) { return s.mslIos.empty(); });
     for (Shader& shader : metal.shaders) shader.spirv.clear();
-    DPL_RETURN_IF_ERROR(writeFile(out / "metal_pack.cpp", embedText(writeShaderPack(metal), pack.interfaceHash, kMetalNames)));
+    DPL_RETURN_IF_ERROR(writeFile(out / "metal_pack.cpp", embedText(writeShaderPack(metal), pack.interfaceHash, space, "Metal")));
     std::erase_if(pack.shaders, [](const Shader& s) { return s.spirv.empty(); });
     for (Shader& shader : pack.shaders) shader.mslIos.clear(), shader.mslMacos.clear();
-    DPL_RETURN_IF_ERROR(writeFile(out / "shader_pack.cpp", embedText(writeShaderPack(pack), pack.interfaceHash, names)));
+    DPL_RETURN_IF_ERROR(writeFile(out / "shader_pack.cpp", embedText(writeShaderPack(pack), pack.interfaceHash, space, "Shader")));
     std::string depfile = (out / "shader_pack.cpp").string() + ":";
     for (const std::string& dependency : dependencies) depfile += " \\\n  " + dependency;
     return writeFile(out / "shader_pack.d", depfile + "\n");
@@ -138,13 +131,11 @@ Status run(const fs::path& root, const fs::path& cataloguePath, const fs::path& 
 }  // namespace dpl
 
 int main(int argc, char** argv) {
-    dpl::FunctionNames names;
-    if (argc == 6) names = {argv[4], argv[5]};
-    if ((argc != 4 && argc != 6) || names.pack.find("::") == std::string::npos || names.interface.find("::") == std::string::npos) {
-        std::cerr << "usage: shaderpack ROOT CATALOGUE OUT [NAMESPACE::PACK NAMESPACE::INTERFACE]\n";
+    if (argc != 4 && argc != 5) {
+        std::cerr << "usage: shaderpack ROOT CATALOGUE OUT [NAMESPACE]\n";
         return 2;
     }
-    if (auto status = dpl::run(argv[1], argv[2], argv[3], names); !status) {
+    if (auto status = dpl::run(argv[1], argv[2], argv[3], argc == 5 ? argv[4] : "dpl"); !status) {
         std::cerr << "shaderpack: " << status.error().message << '\n';
         return 1;
     }

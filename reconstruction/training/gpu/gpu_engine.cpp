@@ -8,11 +8,6 @@
 #include "sdk/math/projection.h"
 
 namespace dpl {
-namespace training {  // generated from shaders/training
-std::span<const uint8_t> shaderPack();
-uint64_t shaderInterface();
-}  // namespace training
-
 namespace {
 
 static_assert(gpu::kTrainMinLogScale == kMinLogScale && gpu::kTrainMaxLogScale == kMaxLogScale && gpu::kTrainMaxLogit == kMaxOpacityLogit);
@@ -99,19 +94,22 @@ Status GpuEngine::settle() {
     return picture_ ? backend_->wait(picture_->update) : Status();
 }
 
-Result<std::unique_ptr<GpuEngine>> GpuEngine::create(const vk::DeviceRequest& request) {
-    DPL_TRY(ShaderPack pack, readShaderPack(training::shaderPack(), "the shader pack of training", training::shaderInterface()));
-    size_t mostBuffers = 0, mostShared = 0;
-    for (const Shader& shader : pack.shaders) {
+KernelNeeds needsOf(const ShaderPack& kernels) {
+    KernelNeeds needs;
+    for (const Shader& shader : kernels.shaders) {
         const auto storage =
             std::count_if(shader.bindings.begin(), shader.bindings.end(), [](const ShaderBinding& b) { return !b.uniform; });
-        mostBuffers = std::max(mostBuffers, size_t(storage)), mostShared = std::max(mostShared, size_t(shader.sharedBytes));
+        needs.storageBuffers = std::max(needs.storageBuffers, uint32_t(storage));
+        needs.sharedBytes = std::max(needs.sharedBytes, shader.sharedBytes);
     }
-    DPL_TRY(auto backend, vk::createBackend(request, std::move(pack)));
+    return needs;
+}
+
+Result<std::unique_ptr<GpuEngine>> GpuEngine::create(std::unique_ptr<Backend> backend, const KernelNeeds& needs) {
     const DeviceInfo& device = backend->info();
-    if (device.maxStorageBuffers < mostBuffers || device.maxSharedBytes < mostShared)
+    if (device.maxStorageBuffers < needs.storageBuffers || device.maxSharedBytes < needs.sharedBytes)
         return fail(Code::Unsupported, "{} gives a kernel {} buffers and {} bytes of shared memory; training needs {} and {}", device.name,
-                    device.maxStorageBuffers, device.maxSharedBytes, mostBuffers, mostShared);
+                    device.maxStorageBuffers, device.maxSharedBytes, needs.storageBuffers, needs.sharedBytes);
     return std::unique_ptr<GpuEngine>(new GpuEngine(std::move(backend)));
 }
 

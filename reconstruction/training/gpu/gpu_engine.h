@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Training on a GPU by Vulkan compute (docs/reference/gpu-training.md). The splats, their rows and moments and the targets stay on the
+// Training on a GPU, by Vulkan or Metal (docs/reference/gpu-training.md). The splats, their rows and moments and the targets stay on the
 // device; of a step the posed vertices go there, and the loss and their gradients come back. The kernels are in shaders/training, their
 // order in gpu_steps.cpp.
 //
@@ -11,7 +11,7 @@
 #include "reconstruction/training/gpu/gpu_buffers.h"
 #include "reconstruction/training/gpu/gpu_targets.h"
 #include "reconstruction/training/trainer/training_engine.h"
-#include "sdk/backend/vulkan/vk_open.h"
+#include "sdk/backend/shader_pack.h"
 
 namespace dpl {
 
@@ -21,10 +21,16 @@ struct GpuGradients {
     std::span<const float> screenLength;  // N: |∂loss/∂(centre on the screen)|, per pixel; negative: no pixel shows the splat
 };
 
+/** What the kernels ask of a device. */
+struct KernelNeeds {
+    uint32_t storageBuffers = 0, sharedBytes = 0;
+};
+KernelNeeds needsOf(const ShaderPack& kernels);
+
 class GpuEngine final : public TrainingEngine {
 public:
-    /** A device of its own. Unsupported: no Vulkan, no device that fits the request, or one that binds too few buffers to a kernel. */
-    static Result<std::unique_ptr<GpuEngine>> create(const vk::DeviceRequest& request);
+    /** On a backend with the kernels of shaders/training. Unsupported: the device gives them less than they need. */
+    static Result<std::unique_ptr<GpuEngine>> create(std::unique_ptr<Backend> backend, const KernelNeeds& needs);
     ~GpuEngine() override;
 
     std::string name() const override;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Opens the engine that trains on a GPU. Builds without Vulkan have this header too, and no engine.
+// Opens the engine that trains on a GPU: by Vulkan, or in a build without it by Metal. Builds without both have this header too, and no
+// engine.
 #pragma once
 
 #include <memory>

@@ -4,7 +4,7 @@
 namespace dpl {
 
 Result<std::unique_ptr<TrainingEngine>> openTrainingEngine(const EngineRequest&) {
-    return fail(Code::Unsupported, "this build of doppel has no Vulkan, so it trains on the CPU (--engine cpu)");
+    return fail(Code::Unsupported, "this build of doppel has neither Vulkan nor Metal, so it trains on the CPU (--engine cpu)");
 }
 
 }  // namespace dpl

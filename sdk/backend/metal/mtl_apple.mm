@@ -109,6 +109,7 @@ public:
     bool supports32BitMsaa() const override { return device_.supports32BitMSAA; }
     bool hasUnifiedMemory() const override { return device_.hasUnifiedMemory; }
     uint64_t maxBufferBytes() const override { return device_.maxBufferLength; }
+    uint64_t workingSetBytes() const override { return device_.recommendedMaxWorkingSetSize; }
 
     using Seam::release;
     void release(void* object) override {

@@ -10,6 +10,7 @@ namespace {
 constexpr uint32_t kMaxTargetPx = 16384;      // of a 2D texture on MTLGPUFamilyApple3 and MTLGPUFamilyMac2
 constexpr uint32_t kMaxGroups = 65535;        // Metal has no limit; this one is Vulkan's least, for which plans are made
 constexpr uint64_t kMaxBinding = 1ull << 31;  // offsets in shaders have 32 bits
+constexpr uint32_t kMaxSharedBytes = 32768;   // of a threadgroup, on the same families
 
 DeviceInfo infoOf(const Seam& seam) {
     DeviceInfo info;
@@ -17,8 +18,11 @@ DeviceInfo infoOf(const Seam& seam) {
     info.identity = info.name + "-" + seam.systemVersion();
     info.kind = seam.isSoftware() ? DeviceKind::Software : seam.hasUnifiedMemory() ? DeviceKind::Integrated : DeviceKind::Discrete;
     info.maxBindingBytes = std::min(seam.maxBufferBytes(), kMaxBinding);
+    info.memoryBytes = seam.workingSetBytes();
     info.maxTargetPx = kMaxTargetPx;
     info.maxGroups = kMaxGroups;
+    info.maxStorageBuffers = kViewMaskIndex - 1;  // below the indices that are taken, beside a uniform buffer
+    info.maxSharedBytes = kMaxSharedBytes;
     // Layered rendering, and shuffles within a simdgroup, by Apple's table of feature sets.
     info.multiview = seam.supportsFamily(GpuFamily::Apple5) || seam.supportsFamily(GpuFamily::Mac2);
     info.viewsAreInstances = true;
@@ -71,6 +75,10 @@ MetalBackend::~MetalBackend() {
 
 Result<std::unique_ptr<MetalBackend>> createBackendOn(std::unique_ptr<Seam> seam, bool lent) {
     DPL_TRY(ShaderPack pack, readShaderPack(embeddedMetalPack(), "the embedded shader pack for Metal", embeddedMetalInterface()));
+    return createBackendOn(std::move(seam), lent, std::move(pack));
+}
+
+Result<std::unique_ptr<MetalBackend>> createBackendOn(std::unique_ptr<Seam> seam, bool lent, ShaderPack pack) {
     auto backend = std::make_unique<MetalBackend>(std::move(seam), std::move(pack), lent);
     DPL_RETURN_IF_ERROR(backend->start());
     return backend;

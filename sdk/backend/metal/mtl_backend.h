@@ -277,5 +277,7 @@ private:
 Result<std::unique_ptr<MetalBackend>> createBackendOn(void* device, void* queue);
 /** On a seam. `lent`: slots and composers work, as on a device of an app. */
 Result<std::unique_ptr<MetalBackend>> createBackendOn(std::unique_ptr<Seam> seam, bool lent);
+/** With kernels other than the SDK's. `fill` and `round` must be among them. */
+Result<std::unique_ptr<MetalBackend>> createBackendOn(std::unique_ptr<Seam> seam, bool lent, ShaderPack pack);
 
 }  // namespace dpl::mtl

@@ -174,6 +174,7 @@ public:
     virtual bool supports32BitMsaa() const = 0;                    // MTLDevice.supports32BitMSAA
     virtual bool hasUnifiedMemory() const = 0;                     // MTLDevice.hasUnifiedMemory
     virtual uint64_t maxBufferBytes() const = 0;                   // MTLDevice.maxBufferLength
+    virtual uint64_t workingSetBytes() const = 0;                  // MTLDevice.recommendedMaxWorkingSetSize
 
     // Objects.
     virtual void release(void* object) = 0;  // objc_release, by ending a __bridge_transfer

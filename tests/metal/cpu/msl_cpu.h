@@ -181,6 +181,9 @@ inline float abs(float x) {
 inline float2 abs(const float2& v) {
     return {std::fabs(v.x), std::fabs(v.y)};
 }
+inline float sign(float x) {
+    return x > 0 ? 1.0f : x < 0 ? -1.0f : 0.0f;
+}
 inline uint min(uint a, uint b) {
     return std::min(a, b);
 }
@@ -209,6 +212,9 @@ inline float2 max(const float2& a, const float2& b) {
 inline float min(float a, float b) {
     return std::min(a, b);
 }
+inline float2 min(const float2& a, const float2& b) {
+    return {std::min(a.x, b.x), std::min(a.y, b.y)};
+}
 inline float3 min(const float3& a, const float3& b) {
     return {std::min(a.x, b.x), std::min(a.y, b.y), std::min(a.z, b.z)};
 }
@@ -217,6 +223,11 @@ inline float3 normalize(const float3& v) {
     return {v.x * s, v.y * s, v.z * s};
 }
 }  // namespace fast
+namespace precise {
+inline float atan2(float y, float x) {
+    return std::atan2(y, x);
+}
+}  // namespace precise
 template <class To, class From>
 inline To as_type(const From& from) {
     static_assert(sizeof(To) == sizeof(From));

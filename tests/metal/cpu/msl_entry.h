@@ -292,6 +292,7 @@ bool dispatchInOrder(const Entry& entry, void* const* buffers, uint32_t groups, 
 /** The shaders of the libraries that tests/metal/CMakeLists.txt makes of MSL. */
 std::vector<const Entry*> fewEntries();
 std::vector<const Entry*> mostEntries();
+std::vector<const Entry*> trainingEntries();
 
 /** All shaders of this program, and the one with a text or name; nullptr: it was not compiled (tests/metal/CMakeLists.txt). */
 const std::vector<const Entry*>& allEntries();

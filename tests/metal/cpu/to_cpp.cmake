@@ -17,7 +17,7 @@ string(REGEX REPLACE "\n( +)threadgroup ([a-zA-Z_0-9]+(<[^;()]*>)? [^(;]*;)" "\n
 string(REGEX REPLACE "\n    ([a-zA-Z_0-9]+) ([a-zA-Z_0-9]+)\\[1\\];\n};" "\n    msl::Unsized<\\1> \\2;\n};" text "${text}")
 string(REGEX REPLACE "([^a-zA-Z_0-9.])([0-9]+\\.[0-9]+(e[-+]?[0-9]+)?)" "\\1\\2f" text "${text}")  # MSL's literals are floats
 string(REGEX REPLACE "([a-zA-Z_0-9]+)\\.xy \\+= ([^;]*);" "msl::addToXy(\\1, \\2);" text "${text}")
-string(REGEX REPLACE "\\.(xyz|xy|zw|xz|yw)([^a-z_A-Z0-9])" ".\\1()\\2" text "${text}")  # GLM's swizzles are functions
+string(REGEX REPLACE "\\.(xyz|xy|zw|xz|yz|yw)([^a-z_A-Z0-9])" ".\\1()\\2" text "${text}")  # GLM's swizzles are functions
 if(text MATCHES "\\.[xyzw][xyzw]+\\(\\) [-+*/]?= ")
   message(FATAL_ERROR "${IN}: assigns to a swizzle, which GLM cannot: '${CMAKE_MATCH_0}'")
 endif()

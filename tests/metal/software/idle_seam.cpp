@@ -26,6 +26,7 @@ public:
     bool supports32BitMsaa() const override { return true; }
     bool hasUnifiedMemory() const override { return true; }
     uint64_t maxBufferBytes() const override { return 256ull << 20; }
+    uint64_t workingSetBytes() const override { return 1ull << 30; }
 
     using Seam::release;
     void release(void* object) override {

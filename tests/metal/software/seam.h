@@ -33,6 +33,7 @@ public:
     bool supports32BitMsaa() const override { return state_->options.msaa32; }
     bool hasUnifiedMemory() const override { return true; }
     uint64_t maxBufferBytes() const override { return 256ull << 20; }
+    uint64_t workingSetBytes() const override { return 8ull << 30; }
 
     using Seam::release;
     void release(void* object) override { state_->release(object); }

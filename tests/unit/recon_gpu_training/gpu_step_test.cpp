@@ -118,7 +118,7 @@ void expectClose(const std::vector<float>& cpu, const std::vector<float>& gpu, s
 
 void expectSame(const Picture& p, double relative = kRelative) {
     GpuEngine* engine = testEngine();
-    if (!engine) GTEST_SKIP() << "no Vulkan device";
+    if (!engine) GTEST_SKIP() << "no device";
     const Gradients cpu = onCpu(p);
     const auto gpu = onGpu(*engine, p);
     ASSERT_TRUE(gpu) << gpu.error().message;
@@ -248,13 +248,13 @@ TEST(GpuStep, equalsTheTrainerWithAnUnsureEdgeAndWithoutLabels) {
     p.level.edgeMaskWeight = 0.25f;
     p.weights.cloth = 0;
     GpuEngine* engine = testEngine();
-    if (!engine) GTEST_SKIP() << "no Vulkan device";
+    if (!engine) GTEST_SKIP() << "no device";
     expectSame(p);
 }
 
 TEST(GpuStep, givesTheSameBytesAgainAndAfterAnotherPicture) {
     GpuEngine* engine = testEngine();
-    if (!engine) GTEST_SKIP() << "no Vulkan device";
+    if (!engine) GTEST_SKIP() << "no device";
     const Picture p = toyPicture(2, 72, 31), other = toyPicture(2, 90, 37);
     const auto first = onGpu(*engine, p);
     ASSERT_TRUE(first) << first.error().message;
@@ -268,7 +268,7 @@ TEST(GpuStep, givesTheSameBytesAgainAndAfterAnotherPicture) {
 
 TEST(GpuStep, aTargetThatItKeptGivesTheSameBytes) {
     GpuEngine* engine = testEngine();
-    if (!engine) GTEST_SKIP() << "no Vulkan device";
+    if (!engine) GTEST_SKIP() << "no device";
     Picture p = toyPicture(1, 72, 31), other = toyPicture(1, 90, 37);
     const auto unnamed = onGpu(*engine, p);
     ASSERT_TRUE(unnamed) << unnamed.error().message;
@@ -289,7 +289,7 @@ TEST(GpuStep, aTargetThatItKeptGivesTheSameBytes) {
 
 TEST(GpuStep, refusesWhatDoesNotFit) {
     GpuEngine* engine = testEngine();
-    if (!engine) GTEST_SKIP() << "no Vulkan device";
+    if (!engine) GTEST_SKIP() << "no device";
     Picture p = toyPicture(1, 72, 41);
     p.level.mask.pop_back();
     const auto wrong = onGpu(*engine, p);

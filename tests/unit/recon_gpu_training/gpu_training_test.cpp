@@ -24,7 +24,7 @@ Result<CoOptimiseResult> train(uint32_t steps, TrainingEngine* engine) {
 
 TEST(GpuTraining, takesTheFirstStepsOfTheCpu) {
     GpuEngine* engine = testEngine();
-    if (!engine) GTEST_SKIP() << "no Vulkan device";
+    if (!engine) GTEST_SKIP() << "no device";
     const auto cpu = train(3, nullptr), gpu = train(3, engine);
     ASSERT_TRUE(cpu && gpu) << (gpu ? cpu.error() : gpu.error()).message;
     // A step of Adam is as long as its rate, whatever the gradient's size: where a gradient is all rounding, its sign may differ.
@@ -40,7 +40,7 @@ TEST(GpuTraining, takesTheFirstStepsOfTheCpu) {
 
 TEST(GpuTraining, endsWhereTheCpuEnds) {
     GpuEngine* engine = testEngine();
-    if (!engine) GTEST_SKIP() << "no Vulkan device";
+    if (!engine) GTEST_SKIP() << "no device";
     const auto cpu = train(80, nullptr), gpu = train(80, engine);
     ASSERT_TRUE(cpu && gpu) << (gpu ? cpu.error() : gpu.error()).message;
     EXPECT_GT(cpu->curve.back().psnr, cpu->curve.front().psnr + 2) << "the training must learn";
@@ -50,7 +50,7 @@ TEST(GpuTraining, endsWhereTheCpuEnds) {
 
 TEST(GpuTraining, repeatsItsOwnBytesAlsoAfterACheckpoint) {
     GpuEngine* engine = testEngine();
-    if (!engine) GTEST_SKIP() << "no Vulkan device";
+    if (!engine) GTEST_SKIP() << "no device";
     const auto first = train(20, engine);
     {
         Jobs jobs(2);  // between them, a training with other pictures under the same names
@@ -85,7 +85,7 @@ TEST(GpuTraining, repeatsItsOwnBytesAlsoAfterACheckpoint) {
 
 TEST(GpuTraining, sendsEachTargetOnceALevel) {
     GpuEngine* engine = testEngine();
-    if (!engine) GTEST_SKIP() << "no Vulkan device";
+    if (!engine) GTEST_SKIP() << "no device";
     Jobs jobs(2);
     CoOptimiseInput scene = toyScene(jobs, 4, 0, 0, 240);
     const auto vertices = scene.mesh.restPositions.size(), triangles = scene.mesh.triangles.size(), frames = scene.frames.size();
@@ -108,7 +108,7 @@ TEST(GpuTraining, sendsEachTargetOnceALevel) {
 
 TEST(GpuTraining, refusesBeforehandWhatDoesNotFitIntoMemory) {
     GpuEngine* engine = testEngine();
-    if (!engine) GTEST_SKIP() << "no Vulkan device";
+    if (!engine) GTEST_SKIP() << "no device";
     EngineRoom room{.splats = 300000, .triangles = 60000, .vertices = 30000, .shDegree = 1, .picturePx = 1080 * 1440};
     EXPECT_TRUE(engine->begin(room)) << "a gigabyte or two";
     room.splats = 4000000000u;

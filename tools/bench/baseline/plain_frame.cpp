@@ -20,7 +20,7 @@ uint32_t blocksOf(uint32_t count, uint32_t block) {
 }  // namespace
 
 Result<std::unique_ptr<Backend>> createBackend(const vk::DeviceRequest& request) {
-    DPL_TRY(ShaderPack pack, readShaderPack(shaderPack(), "the pack of frozen shaders", shaderInterface()));
+    DPL_TRY(ShaderPack pack, readShaderPack(plain::embeddedShaderPack(), "the pack of frozen shaders", plain::embeddedShaderInterface()));
     return vk::createBackend(request, std::move(pack));
 }
 

@@ -19,8 +19,8 @@ namespace dpl::plain {
 Result<std::unique_ptr<Backend>> createBackend(const vk::DeviceRequest& request);
 
 /** The embedded pack of frozen shaders, and the interface number that it was built with. */
-std::span<const uint8_t> shaderPack();
-uint64_t shaderInterface();
+std::span<const uint8_t> embeddedShaderPack();
+uint64_t embeddedShaderInterface();
 
 class Frame {
 public:

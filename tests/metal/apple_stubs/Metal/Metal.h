@@ -328,6 +328,7 @@ MTLClearColor MTLClearColorMake(double red, double green, double blue, double al
 @property(readonly) BOOL hasUnifiedMemory;
 @property(readonly) BOOL supports32BitMSAA;
 @property(readonly) NSUInteger maxBufferLength;
+@property(readonly) uint64_t recommendedMaxWorkingSetSize;
 - (BOOL)supportsFamily:(MTLGPUFamily)gpuFamily;
 - (BOOL)supportsTextureSampleCount:(NSUInteger)sampleCount;
 - (id<MTLCommandQueue>)newCommandQueue;
