@@ -3,7 +3,7 @@
 // on the way.
 //
 //   template <> struct StageOf<RegisteredPoses> {
-//       static constexpr StageName kName{"register", 7};
+//       static constexpr StageName kName{"register", 8};
 //       static constexpr const char* kPriors[] = {"subject/body", "subject/registration"};
 //       static Status inputs(StageInputs& in);                       // pulls other artefacts and lists values
 //       static Status make(StageInputs& in, StageContext& context);  // writes files into context.folder

@@ -74,7 +74,7 @@ Status StageOf<FittedBody>::make(StageInputs& in, StageContext& context) {
     BodyFit fit;
     {
         const TaskPart body(0, 0.9);
-        DPL_TRY(fit, fitBody(chosen->body, scan, settings));
+        DPL_TRY(fit, fitBody(chosen->body, scan, settings, in.jobs().threadCount()));
     }
     std::vector<HandFit> hands;
     {

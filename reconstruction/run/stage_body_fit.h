@@ -32,7 +32,7 @@ struct FittedBody {
 
 template <>
 struct StageOf<FittedBody> {
-    static constexpr StageName kName{"body-fit", 14};
+    static constexpr StageName kName{"body-fit", 15};
     static constexpr const char* kPriors[] = {"input/cameras", "input/capture", "subject/body", "subject/hands"};
     static Status inputs(StageInputs& in);
     static Status make(StageInputs& in, StageContext& context);

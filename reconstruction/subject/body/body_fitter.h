@@ -27,15 +27,17 @@ struct FrameState {
 
 class BodyFitter {
 public:
-    BodyFitter(const BodyModel& body, const Scan& scan, std::span<const std::vector<Keypoint>> keypoints, const BodyFitSettings& settings)
+    BodyFitter(const BodyModel& body, const Scan& scan, std::span<const std::vector<Keypoint>> keypoints, const BodyFitSettings& settings,
+               uint32_t threads)
         : body_(body),
           scan_(scan),
           keypoints_(keypoints),
           settings_(settings),
+          threads_(threads),
           priors_(posePriors(body)),
           chain_(body, scan.keypointNames, jointsOf(priors_)),
           metric_(scan.metricWorld) {
-        context_.chain = &chain_;
+        context_.chain = &chain_;  // a copy looks at this one's, which no longer changes when it is made
         for (size_t k = 0; scan.keypointsFound && k < chain_.keypointCount(); ++k)
             chain_.setOffset(k, foundLandmarkOffset(scan.keypointNames[k]));
         for (size_t s = 0; s < priors_.size(); ++s)
@@ -76,6 +78,7 @@ private:
     Status refineShape(double from, double to);
     void untangleMoving(const std::vector<size_t>& order, const std::function<bool(size_t)>& mayChange);
     Status trackMoving(const std::vector<size_t>& order, double from, double to);
+    Result<double> solveMoving(bool backwards, double from, double to);
     Status fitMoving(double from, double to);
     Status fitUntrained(double from, double to);
     Status fitHeldOutMoving(Split split, double from, double to);
@@ -89,6 +92,7 @@ private:
     const Scan& scan_;
     std::span<const std::vector<Keypoint>> keypoints_;
     const BodyFitSettings& settings_;
+    uint32_t threads_;
     std::vector<JointPrior> priors_;
     KeypointChain chain_;
     FitContext context_;

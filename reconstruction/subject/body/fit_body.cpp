@@ -90,7 +90,8 @@ void BodyFitter::addFrame(ceres::Problem& problem, size_t f) {
     FrameState& s = frames_[f];
     FrameState& base = isStill(f) ? still_ : s;
     auto* cost = new ReprojectionCost(context_, scan_.frames[f].camera, base.rootReference, keypoints_[f], sigmaPx(f), isStill(f));
-    std::vector<double*> blocks = {shape_.data(), &logUnit_, base.root, base.pose.data()};
+    std::vector<double*> blocks = {shape_.data(), &logUnit_, base.root};
+    addPoseBlocks(blocks, base.pose.data(), priors_.size());
     if (isStill(f)) {
         blocks.push_back(s.sway.data());
         const std::vector<double> sigma = swaySigmas();
@@ -98,8 +99,7 @@ void BodyFitter::addFrame(ceres::Problem& problem, size_t f) {
         problem.AddResidualBlock(new DiagonalPrior(std::vector<double>(sigma.size(), 0.0), sigma), nullptr, s.sway.data());
     } else {
         problem.AddResidualBlock(cost, nullptr, blocks);
-        problem.AddResidualBlock(new PosePriorCost(priors_, shapeFromMoving_ ? std::vector<double>(s.pose.size(), 0.0) : still_.pose),
-                                 nullptr, s.pose.data());
+        addPosePrior(problem, priors_, shapeFromMoving_ ? std::vector<double>(s.pose.size(), 0.0) : still_.pose, s.pose.data());
         if (!shapeFromMoving_) {
             const Mat3d still = rotationOf({still_.root[0], still_.root[1], still_.root[2]}) * still_.rootReference;
             const Vec3d up = still * Vec3d(0, 1, 0);
@@ -118,13 +118,14 @@ void BodyFitter::addShapePriors(ceres::Problem& problem) {
 }
 
 void BodyFitter::addStillPriors(ceres::Problem& problem) {
-    problem.AddResidualBlock(new PosePriorCost(priors_, std::vector<double>(still_.pose.size(), 0.0)), nullptr, still_.pose.data());
+    addPosePrior(problem, priors_, std::vector<double>(still_.pose.size(), 0.0), still_.pose.data());
     addShapePriors(problem);
 }
 
 void BodyFitter::freezeGlobals(ceres::Problem& problem) {
-    for (double* block : {shape_.data(), &logUnit_, still_.root, still_.pose.data()})
+    for (double* block : {shape_.data(), &logUnit_, still_.root})
         if (problem.HasParameterBlock(block)) problem.SetParameterBlockConstant(block);
+    holdPose(problem, still_.pose);
 }
 
 Status BodyFitter::start() {
@@ -165,7 +166,7 @@ Status BodyFitter::fitStill(double from, double to) {
         addStillPriors(problem);
         if (metric_ || round < 2) problem.SetParameterBlockConstant(&logUnit_);
         if (round < 2 && !shape_.empty()) problem.SetParameterBlockConstant(shape_.data());
-        if (round == 0) problem.SetParameterBlockConstant(still_.pose.data());
+        if (round == 0) holdPose(problem, still_.pose);
         if (round < 2)
             for (size_t f : frames) problem.SetParameterBlockConstant(frames_[f].sway.data());
         const char* const names[3] = {"still frames: root", "still frames: pose", "still frames: shape, pose and sway"};
@@ -182,9 +183,12 @@ double BodyFitter::swayFreedom(size_t f) {
     const std::vector<double> sigma = swaySigmas();
     std::vector<double> residuals(size_t(cost.num_residuals()));
     Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> jacobian(cost.num_residuals(), Eigen::Index(sigma.size()));
-    const double* blocks[] = {shape_.data(), &logUnit_, still_.root, still_.pose.data(), frames_[f].sway.data()};
-    double* jacobians[] = {nullptr, nullptr, nullptr, nullptr, jacobian.data()};
-    if (!cost.Evaluate(blocks, residuals.data(), jacobians)) return 0;
+    std::vector<double*> blocks = {shape_.data(), &logUnit_, still_.root};
+    addPoseBlocks(blocks, still_.pose.data(), priors_.size());
+    blocks.push_back(frames_[f].sway.data());
+    std::vector<double*> jacobians(blocks.size(), nullptr);
+    jacobians.back() = jacobian.data();
+    if (!cost.Evaluate(blocks.data(), residuals.data(), jacobians.data())) return 0;
     const Eigen::MatrixXd information = jacobian.transpose() * jacobian;
     Eigen::MatrixXd posterior = information;
     for (size_t i = 0; i < sigma.size(); ++i) posterior(Eigen::Index(i), Eigen::Index(i)) += 1 / (sigma[i] * sigma[i]);
@@ -260,8 +264,11 @@ Status BodyFitter::refineShape(double from, double to) {
             skin.evaluate(s.rootReference, s.root, s.pose.data(), shape_.data(), false, now);
             auto outline = outlineSamples(samples, now, metricCamera(frame.camera, std::exp(logUnit_)), masks[i]);
             if (outline.size() < kMinOutline) continue;
+            std::vector<double*> blocks = {shape_.data(), &logUnit_, still_.root};
+            addPoseBlocks(blocks, still_.pose.data(), priors_.size());
+            blocks.push_back(frames_[masked[i]].sway.data());
             problem.AddResidualBlock(new SilhouetteCost(context_, skin, frame.camera, still_.rootReference, masks[i], std::move(outline)),
-                                     nullptr, shape_.data(), &logUnit_, still_.root, still_.pose.data(), frames_[masked[i]].sway.data());
+                                     nullptr, blocks);
         }
         const double span = (to - from) / kMaskRounds;
         DPL_RETURN_IF_ERROR(solve(problem, "still frames: shape against masks", 15, from + span * round, from + span * (round + 1)));
@@ -400,7 +407,7 @@ Camerad metricCamera(const Camerad& camera, double metresPerUnit) {
 }
 
 Result<BodyFit> fitBody(const BodyModel& body, const Scan& scan, std::span<const std::vector<Keypoint>> keypoints,
-                        const BodyFitSettings& settings) {
+                        const BodyFitSettings& settings, uint32_t threads) {
     DPL_RETURN_IF_ERROR(checkBody(body));
     if (keypoints.size() != scan.frames.size())
         return fail(Code::InvalidArgument, "{} keypoint lists for {} frames", keypoints.size(), scan.frames.size());
@@ -416,18 +423,18 @@ Result<BodyFit> fitBody(const BodyModel& body, const Scan& scan, std::span<const
     std::vector<std::vector<Keypoint>> righted(keypoints.begin(), keypoints.end());
     for (size_t f = 0; f < righted.size(); ++f)
         if (swapped[f]) righted[f] = withSidesSwapped(righted[f], scan.keypointNames, swapped[f]);
-    DPL_TRY(BodyFit fit, BodyFitter(body, scan, righted, settings).run());
+    DPL_TRY(BodyFit fit, BodyFitter(body, scan, righted, settings, threads).run());
     fit.swapped = swapped;
     return fit;
 }
 
-Result<BodyFit> fitBody(const BodyModel& body, const Scan& scan, const BodyFitSettings& settings) {
+Result<BodyFit> fitBody(const BodyModel& body, const Scan& scan, const BodyFitSettings& settings, uint32_t threads) {
     std::vector<std::vector<Keypoint>> keypoints;
     for (const ScanFrame& frame : scan.frames) {
         DPL_TRY(auto points, readKeypoints(scan, frame));
         keypoints.push_back(std::move(points));
     }
-    return fitBody(body, scan, keypoints, settings);
+    return fitBody(body, scan, keypoints, settings, threads);
 }
 
 }  // namespace dpl

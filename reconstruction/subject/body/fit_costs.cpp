@@ -85,6 +85,23 @@ ceres::Solver::Options solverOptions(int maxSteps) {
     return options;
 }
 
+std::vector<double> poseOfBlocks(double const* const* blocks, size_t joints) {
+    std::vector<double> pose;
+    pose.reserve(3 * joints);
+    for (size_t j = 0; j < joints; ++j) pose.insert(pose.end(), blocks[j], blocks[j] + 3);
+    return pose;
+}
+
+void setPoseRow(double* const* jacobians, size_t row, const double* columns, size_t joints) {
+    for (size_t j = 0; j < joints; ++j)
+        if (jacobians[j]) std::copy_n(columns + 3 * j, 3, jacobians[j] + 3 * row);
+}
+
+void holdPose(ceres::Problem& problem, std::vector<double>& pose) {
+    for (size_t at = 0; at < pose.size(); at += 3)
+        if (problem.HasParameterBlock(&pose[at])) problem.SetParameterBlockConstant(&pose[at]);
+}
+
 ReprojectionCost::ReprojectionCost(const FitContext& context, const Camerad& camera, const Mat3d& rootReference,
                                    const std::vector<Keypoint>& keypoints, double sigmaPx, bool withSway)
     : context_(context), camera_(camera), rootReference_(rootReference), keypoints_(keypoints), sigmaPx_(sigmaPx), withSway_(withSway) {
@@ -92,20 +109,22 @@ ReprojectionCost::ReprojectionCost(const FitContext& context, const Camerad& cam
         if (keypoints_[k].confidence > 0 && context.chain->hasKeypoint(k)) seen_.push_back(k);
     set_num_residuals(int(2 * seen_.size()));
     auto& sizes = *mutable_parameter_block_sizes();
-    sizes = {int(context.chain->shapeCount()), 1, kRootSize, int(3 * context.chain->posedCount())};
+    sizes = {int(context.chain->shapeCount()), 1, kRootSize};
+    addPoseBlockSizes(sizes, context.chain->posedCount());
     if (withSway) sizes.push_back(context.sway.size());
 }
 
 bool ReprojectionCost::Evaluate(double const* const* blocks, double* residuals, double** jacobians) const {
     const KeypointChain& chain = *context_.chain;
-    const size_t poseSize = 3 * chain.posedCount(), shapes = chain.shapeCount(), width = chain.columns();
+    const size_t joints = chain.posedCount(), shapes = chain.shapeCount(), width = chain.columns();
     double root[kRootSize];
     std::copy(blocks[2], blocks[2] + kRootSize, root);
-    std::vector<double> pose(blocks[3], blocks[3] + poseSize);
+    std::vector<double> pose = poseOfBlocks(blocks + 3, joints);
     if (withSway_) {
-        for (int i = 0; i < kRootSize; ++i) root[i] += blocks[4][i];
+        const double* sway = blocks[3 + joints];
+        for (int i = 0; i < kRootSize; ++i) root[i] += sway[i];
         for (size_t s = 0; s < context_.sway.slots.size(); ++s)
-            for (int i = 0; i < 3; ++i) pose[3 * context_.sway.slots[s] + size_t(i)] += blocks[4][kRootSize + 3 * int(s) + i];
+            for (int i = 0; i < 3; ++i) pose[3 * context_.sway.slots[s] + size_t(i)] += sway[kRootSize + 3 * int(s) + i];
     }
     thread_local KeypointChain::Output posed;
     chain.evaluate(rootReference_, root, pose.data(), blocks[0], jacobians != nullptr, posed);
@@ -138,12 +157,12 @@ bool ReprojectionCost::Evaluate(double const* const* blocks, double* residuals, 
             for (size_t c = 0; c < width; ++c)
                 row[c] = dWorld.x * chainRows[c] + dWorld.y * chainRows[width + c] + dWorld.z * chainRows[2 * width + c];
             const size_t line = 2 * i + size_t(a);
-            if (jacobians[0]) std::copy_n(&row[kRootSize + poseSize], shapes, jacobians[0] + line * shapes);
+            if (jacobians[0]) std::copy_n(&row[kRootSize + 3 * joints], shapes, jacobians[0] + line * shapes);
             if (jacobians[1]) jacobians[1][line] = glm::dot(dView, shift);
             if (jacobians[2]) std::copy_n(&row[0], kRootSize, jacobians[2] + line * kRootSize);
-            if (jacobians[3]) std::copy_n(&row[kRootSize], poseSize, jacobians[3] + line * poseSize);
-            if (withSway_ && jacobians[4]) {
-                double* out = jacobians[4] + line * size_t(context_.sway.size());
+            setPoseRow(jacobians + 3, line, &row[kRootSize], joints);
+            if (withSway_ && jacobians[3 + joints]) {
+                double* out = jacobians[3 + joints] + line * size_t(context_.sway.size());
                 std::copy_n(&row[0], kRootSize, out);
                 for (size_t slot = 0; slot < context_.sway.slots.size(); ++slot)
                     std::copy_n(&row[kRootSize + 3 * context_.sway.slots[slot]], 3, out + kRootSize + 3 * slot);
@@ -153,36 +172,32 @@ bool ReprojectionCost::Evaluate(double const* const* blocks, double* residuals, 
     return true;
 }
 
-PosePriorCost::PosePriorCost(std::vector<JointPrior> priors, std::vector<double> mean)
-    : priors_(std::move(priors)), mean_(std::move(mean)) {
-    set_num_residuals(int(6 * priors_.size()));
-    mutable_parameter_block_sizes()->push_back(int(3 * priors_.size()));
-}
+JointPriorCost::JointPriorCost(const JointPrior& prior, const Vec3d& mean) : prior_(prior), mean_(mean) {}
 
-bool PosePriorCost::Evaluate(double const* const* blocks, double* residuals, double** jacobians) const {
-    const size_t size = 3 * priors_.size();
-    if (jacobians && jacobians[0]) std::fill_n(jacobians[0], 2 * size * size, 0.0);
-    for (size_t j = 0; j < priors_.size(); ++j) {
-        const JointPrior& p = priors_[j];
-        const Vec3d w(blocks[0][3 * j], blocks[0][3 * j + 1], blocks[0][3 * j + 2]);
-        for (int a = 0; a < 3; ++a) {
-            const double angle = glm::dot(p.axes[a], w);
-            const double beyond = angle < p.lowRad[a] ? angle - p.lowRad[a] : angle > p.highRad[a] ? angle - p.highRad[a] : 0.0;
-            const size_t spread = 6 * j + size_t(a), range = spread + 3;
-            const double r = (angle - glm::dot(p.axes[a], Vec3d(mean_[3 * j], mean_[3 * j + 1], mean_[3 * j + 2]))) / p.sigmaRad[a];
-            const double c2 = p.tailSigmas[a] * p.tailSigmas[a],
-                         scale = c2 > 0 ? std::sqrt(c2 / (r * r + c2)) : 1.0;  // ρ as in ReprojectionCost
-            const double slope = c2 > 0 ? scale * c2 / (r * r + c2) : 1.0;
-            residuals[spread] = scale * r;
-            residuals[range] = beyond / kRangeSigmaRad;
-            if (!jacobians || !jacobians[0]) continue;
-            for (int i = 0; i < 3; ++i) {
-                jacobians[0][spread * size + 3 * j + size_t(i)] = slope * p.axes[a][i] / p.sigmaRad[a];
-                jacobians[0][range * size + 3 * j + size_t(i)] = beyond != 0 ? p.axes[a][i] / kRangeSigmaRad : 0.0;
-            }
+bool JointPriorCost::Evaluate(double const* const* blocks, double* residuals, double** jacobians) const {
+    const JointPrior& p = prior_;
+    const Vec3d w(blocks[0][0], blocks[0][1], blocks[0][2]);
+    for (int a = 0; a < 3; ++a) {
+        const double angle = glm::dot(p.axes[a], w);
+        const double beyond = angle < p.lowRad[a] ? angle - p.lowRad[a] : angle > p.highRad[a] ? angle - p.highRad[a] : 0.0;
+        const double r = (angle - glm::dot(p.axes[a], mean_)) / p.sigmaRad[a];
+        const double c2 = p.tailSigmas[a] * p.tailSigmas[a],
+                     scale = c2 > 0 ? std::sqrt(c2 / (r * r + c2)) : 1.0;  // ρ as in ReprojectionCost
+        const double slope = c2 > 0 ? scale * c2 / (r * r + c2) : 1.0;
+        residuals[a] = scale * r;
+        residuals[3 + a] = beyond / kRangeSigmaRad;
+        if (!jacobians || !jacobians[0]) continue;
+        for (int i = 0; i < 3; ++i) {
+            jacobians[0][3 * a + i] = slope * p.axes[a][i] / p.sigmaRad[a];
+            jacobians[0][3 * (3 + a) + i] = beyond != 0 ? p.axes[a][i] / kRangeSigmaRad : 0.0;
         }
     }
     return true;
+}
+
+void addPosePrior(ceres::Problem& problem, const std::vector<JointPrior>& priors, const std::vector<double>& mean, double* pose) {
+    for (size_t j = 0; j < priors.size(); ++j)
+        problem.AddResidualBlock(new JointPriorCost(priors[j], {mean[3 * j], mean[3 * j + 1], mean[3 * j + 2]}), nullptr, pose + 3 * j);
 }
 
 DiagonalPrior::DiagonalPrior(std::vector<double> mean, std::vector<double> sigma) : mean_(std::move(mean)), sigma_(std::move(sigma)) {
@@ -198,6 +213,14 @@ bool DiagonalPrior::Evaluate(double const* const* blocks, double* residuals, dou
         if (jacobians && jacobians[0]) jacobians[0][i * n + i] = 1 / sigma_[i];
     }
     return true;
+}
+
+void addDiagonalPosePrior(ceres::Problem& problem, const std::vector<double>& mean, const std::vector<double>& sigma, double* pose) {
+    const auto three = [](const std::vector<double>& values, size_t at) {
+        return std::vector<double>(values.begin() + ptrdiff_t(at), values.begin() + ptrdiff_t(at) + 3);
+    };
+    for (size_t at = 0; at < mean.size(); at += 3)
+        problem.AddResidualBlock(new DiagonalPrior(three(mean, at), three(sigma, at)), nullptr, pose + at);
 }
 
 ShapePrior::ShapePrior(const std::vector<ShapeMorph>& morphs) {
@@ -220,27 +243,24 @@ bool ShapePrior::Evaluate(double const* const* blocks, double* residuals, double
     return true;
 }
 
-PoseSmoothness::PoseSmoothness(std::vector<JointPrior> priors, double t0, double t1, double t2, AccelerationSpread spread)
-    : priors_(std::move(priors)), spread_(spread) {
+JointSmoothness::JointSmoothness(const JointPrior& prior, double t0, double t1, double t2, AccelerationSpread spread)
+    : accelerationRadS2_(prior.accelerationRadS2), spread_(spread) {
     const double before = t1 - t0, after = t2 - t1, mean = 0.5 * (before + after);
     weight_[0] = 1 / (before * mean);
     weight_[1] = -(1 / before + 1 / after) / mean;
     weight_[2] = 1 / (after * mean);
-    set_num_residuals(int(3 * priors_.size()));
-    mutable_parameter_block_sizes()->assign(3, int(3 * priors_.size()));
 }
 
-bool PoseSmoothness::Evaluate(double const* const* blocks, double* residuals, double** jacobians) const {
-    const size_t size = 3 * priors_.size();
-    for (size_t i = 0; i < size; ++i) {
-        const double scale = 1 / (priors_[i / 3].accelerationRadS2 * spread_.share);
+bool JointSmoothness::Evaluate(double const* const* blocks, double* residuals, double** jacobians) const {
+    const double scale = 1 / (accelerationRadS2_ * spread_.share);
+    for (int i = 0; i < 3; ++i) {
         const double r = (weight_[0] * blocks[0][i] + weight_[1] * blocks[1][i] + weight_[2] * blocks[2][i]) * scale;
         residuals[i] = spread_.tail ? cauchy(r) : r;
         const double slope = scale * (spread_.tail ? cauchySlope(r) : 1.0);
         for (int b = 0; jacobians && b < 3; ++b) {
             if (!jacobians[b]) continue;
-            std::fill_n(jacobians[b] + i * size, size, 0.0);
-            jacobians[b][i * size + i] = weight_[b] * slope;
+            std::fill_n(jacobians[b] + 3 * i, 3, 0.0);
+            jacobians[b][3 * i + i] = weight_[b] * slope;
         }
     }
     return true;
@@ -276,16 +296,23 @@ FootRest::FootRest(const FitContext& context, std::vector<size_t> keypoints, con
                    double sigmaM)
     : context_(context), keypoints_(std::move(keypoints)), reference_{reference0, reference1}, sigmaM_(sigmaM) {
     set_num_residuals(int(3 * keypoints_.size()));
-    const int pose = int(3 * context.chain->posedCount());
-    *mutable_parameter_block_sizes() = {int(context.chain->shapeCount()), kRootSize, pose, kRootSize, pose};
+    auto& sizes = *mutable_parameter_block_sizes();
+    sizes.push_back(int(context.chain->shapeCount()));
+    for (int frame = 0; frame < 2; ++frame) {
+        sizes.push_back(kRootSize);
+        addPoseBlockSizes(sizes, context.chain->posedCount());
+    }
 }
 
 bool FootRest::Evaluate(double const* const* blocks, double* residuals, double** jacobians) const {
     const KeypointChain& chain = *context_.chain;
-    const size_t poseSize = 3 * chain.posedCount(), shapes = chain.shapeCount(), width = chain.columns();
+    const size_t joints = chain.posedCount(), shapes = chain.shapeCount(), width = chain.columns();
+    const size_t rootBlock[2] = {1, 2 + joints};  // those of the pose follow
     thread_local KeypointChain::Output posed[2];
     for (int i = 0; i < 2; ++i)
-        chain.evaluate(reference_[i], blocks[1 + 2 * i], blocks[2 + 2 * i], blocks[0], jacobians != nullptr, posed[i]);
+        chain.evaluate(reference_[i], blocks[rootBlock[i]], poseOfBlocks(blocks + rootBlock[i] + 1, joints).data(), blocks[0],
+                       jacobians != nullptr, posed[i]);
+    std::vector<double> row(3 * joints);
     const double c2 = priors::kFootOutlierSigmas * priors::kFootOutlierSigmas, sigmaM = sigmaM_ * context_.footSigmaScale;
     for (size_t n = 0; n < keypoints_.size(); ++n) {
         const size_t k = keypoints_[n];
@@ -302,13 +329,13 @@ bool FootRest::Evaluate(double const* const* blocks, double* residuals, double**
             };
             if (jacobians[0])
                 for (size_t c = 0; c < shapes; ++c)
-                    jacobians[0][line * shapes + c] = entry(1, kRootSize + poseSize + c) - entry(0, kRootSize + poseSize + c);
+                    jacobians[0][line * shapes + c] = entry(1, kRootSize + 3 * joints + c) - entry(0, kRootSize + 3 * joints + c);
             for (int i = 0; i < 2; ++i) {
                 const double sign = i == 0 ? -1 : 1;
-                if (double* root = jacobians[1 + 2 * i])
+                if (double* root = jacobians[rootBlock[i]])
                     for (size_t c = 0; c < kRootSize; ++c) root[line * kRootSize + c] = sign * entry(i, c);
-                if (double* pose = jacobians[2 + 2 * i])
-                    for (size_t c = 0; c < poseSize; ++c) pose[line * poseSize + c] = sign * entry(i, kRootSize + c);
+                for (size_t c = 0; c < row.size(); ++c) row[c] = sign * entry(i, kRootSize + c);
+                setPoseRow(jacobians + rootBlock[i] + 1, line, row.data(), joints);
             }
         }
     }

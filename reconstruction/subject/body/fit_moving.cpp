@@ -2,18 +2,22 @@
 // Moving frames of the body fit: track a first guess, choose the depth of arms and legs, solve all train frames together, and pose the
 // held-out frames between them.
 #include <algorithm>
+#include <chrono>
 #include <cmath>
+#include <future>
 #include <limits>
 
 #include "reconstruction/subject/body/body_fitter.h"
 #include "reconstruction/subject/body/limb_depths.h"
 #include "reconstruction/subject/body/motion_terms.h"
+#include "sdk/core/task.h"
 
 namespace dpl {
 namespace {
 
 constexpr double kLooseFootScale = 5;
 constexpr int kUntangleRounds = 3;
+constexpr std::chrono::milliseconds kLookEvery{50};       // whether the whole was cancelled, while the other direction is waited for
 constexpr double kTrackStepRad = 0.5, kTrackStepM = 0.3;  // σ of the change of pose and root from frame to frame; tracking only
 
 }  // namespace
@@ -40,7 +44,7 @@ Status BodyFitter::trackMoving(const std::vector<size_t>& order, double from, do
         ceres::Problem problem;
         addFrame(problem, order[i]);
         freezeGlobals(problem);
-        problem.AddResidualBlock(new DiagonalPrior(s.pose, std::vector<double>(s.pose.size(), kTrackStepRad)), nullptr, s.pose.data());
+        addDiagonalPosePrior(problem, s.pose, std::vector<double>(s.pose.size(), kTrackStepRad), s.pose.data());
         problem.AddResidualBlock(new DiagonalPrior(std::vector<double>(s.root, s.root + kRootSize),
                                                    {kTrackStepRad, kTrackStepRad, kTrackStepRad, kTrackStepM, kTrackStepM, kTrackStepM}),
                                  nullptr, s.root);
@@ -68,10 +72,11 @@ void BodyFitter::untangleMoving(const std::vector<size_t>& order, const std::fun
                   inTime);
 }
 
-Status BodyFitter::fitMoving(double from, double to) {
+/** Tracks in one direction of time, then chooses the depth of limbs and solves all frames together. Better shoulders and hips give better
+ *  depth choices, so both are repeated while the cost falls. Leaves the result of least cost, and returns that cost. */
+Result<double> BodyFitter::solveMoving(bool backwards, double from, double to) {
     const std::vector<size_t> order = movingInTime(Split::Train);
-    if (order.empty()) return {};
-    const double part = (to - from) / (4 + 4 * kUntangleRounds);
+    const double part = (to - from) / (2 + 2 * kUntangleRounds);
     double done = from;
     const auto together = [&](const char* what, bool loose, int maxSteps) -> Status {
         context_.outlierSigmas = loose ? kLooseOutliers : settings_.outlierSigmas;
@@ -87,40 +92,57 @@ Status BodyFitter::fitMoving(double from, double to) {
         done += part;
         return solve(problem, what, maxSteps, done - part, done);
     };
-    // Track once forwards and once backwards in time, because a limb with wrong depth in one track is often right in the other. Better
-    // shoulders and hips give better depth choices, so choose and solve again while the cost falls. Keep the result of least cost.
+    std::vector<size_t> track = order;
+    if (backwards) std::reverse(track.begin(), track.end());
+    DPL_RETURN_IF_ERROR(trackMoving(track, done, done + part));
+    done += part;
+    DPL_RETURN_IF_ERROR(together("moving frames: together, loose", true, 12));
     struct Best {
         std::vector<FrameState> frames;
         std::vector<double> shape;
         double logUnit = 0, cost = 0;
     };
-    const Best start{frames_, shape_, logUnit_, 0};
-    const auto restore = [&](const Best& state) {
-        frames_ = state.frames;
-        std::copy(state.shape.begin(), state.shape.end(), shape_.begin());
-        logUnit_ = state.logUnit;
-    };
     std::optional<Best> best;
-    for (const bool backwards : {false, true}) {
-        restore(start);
-        std::vector<size_t> track = order;
-        if (backwards) std::reverse(track.begin(), track.end());
-        DPL_RETURN_IF_ERROR(trackMoving(track, done, done + part));
-        done += part;
-        DPL_RETURN_IF_ERROR(together("moving frames: together, loose", true, 12));
-        double last = std::numeric_limits<double>::infinity();
-        for (int round = 0; round < kUntangleRounds; ++round) {
-            untangleMoving(order, [](size_t) { return true; });
-            DPL_RETURN_IF_ERROR(together("moving frames: limbs untangled", true, 50));
-            DPL_RETURN_IF_ERROR(together("moving frames: together", false, 50));
-            const double cost = solves_.back().costAfter;
-            if (!best || cost < best->cost) best = Best{frames_, shape_, logUnit_, cost};
-            if (cost >= last * (1 - 1e-4)) break;
-            last = cost;
-        }
-        done = from + (2 + 2 * kUntangleRounds) * part;
+    double last = std::numeric_limits<double>::infinity();
+    for (int round = 0; round < kUntangleRounds; ++round) {
+        untangleMoving(order, [](size_t) { return true; });
+        DPL_RETURN_IF_ERROR(together("moving frames: limbs untangled", true, 50));
+        DPL_RETURN_IF_ERROR(together("moving frames: together", false, 50));
+        const double cost = solves_.back().costAfter;
+        if (!best || cost < best->cost) best = Best{frames_, shape_, logUnit_, cost};
+        if (cost >= last * (1 - 1e-4)) break;
+        last = cost;
     }
-    restore(*best);
+    frames_ = best->frames, shape_ = best->shape, logUnit_ = best->logUnit;
+    return best->cost;
+}
+
+/** Once forwards and once backwards in time, because a limb with wrong depth in one track is often right in the other. */
+Status BodyFitter::fitMoving(double from, double to) {
+    if (movingInTime(Split::Train).empty()) return {};
+    BodyFitter other(*this);
+    other.solves_.clear();
+    Result<double> forwards = 0.0, backwards = 0.0;
+    if (threads_ < 2) {
+        const double middle = 0.5 * (from + to);
+        DPL_TRY(forwards, solveMoving(false, from, middle));
+        DPL_TRY(backwards, other.solveMoving(true, middle, to));
+    } else {
+        Task beside;  // silent; cancelled with this thread's
+        auto helper = std::async(std::launch::async, [&] {
+            const TaskScope scope(&beside);
+            return other.solveMoving(true, 0, 1);
+        });
+        forwards = solveMoving(false, from, to);
+        Status goesOn = forwards ? Status() : Status(forwards.error());
+        while (goesOn && helper.wait_for(kLookEvery) != std::future_status::ready) goesOn = taskAt(to);
+        if (!goesOn) beside.cancel();
+        backwards = helper.get();
+        DPL_RETURN_IF_ERROR(goesOn);
+        if (!backwards) return backwards.error();
+    }
+    solves_.insert(solves_.end(), other.solves_.begin(), other.solves_.end());
+    if (*backwards < *forwards) frames_ = other.frames_, shape_ = other.shape_, logUnit_ = other.logUnit_;
     return {};
 }
 
@@ -151,10 +173,11 @@ Status BodyFitter::fitHeldOutMoving(Split split, double from, double to) {
             if (isPosed(f)) addFrame(problem, f);
         addSmoothness(problem, order, isPosed);
         freezeGlobals(problem);
-        for (size_t g : order)
-            if (!isPosed(g))
-                for (double* block : {frames_[g].root, frames_[g].pose.data()})
-                    if (problem.HasParameterBlock(block)) problem.SetParameterBlockConstant(block);
+        for (size_t g : order) {
+            if (isPosed(g)) continue;
+            if (problem.HasParameterBlock(frames_[g].root)) problem.SetParameterBlockConstant(frames_[g].root);
+            holdPose(problem, frames_[g].pose);
+        }
         const double half = 0.5 * (to - from);
         DPL_RETURN_IF_ERROR(solve(problem, round == 0 ? "untrained moving frames, loose" : "untrained moving frames", 40,
                                   from + half * round, from + half * (round + 1)));

@@ -108,16 +108,20 @@ SilhouetteCost::SilhouetteCost(const FitContext& context, const KeypointChain& s
                                const MaskDistance& mask, std::vector<size_t> outline)
     : context_(context), skin_(skin), camera_(camera), rootReference_(rootReference), mask_(mask), outline_(std::move(outline)) {
     set_num_residuals(int(outline_.size()));
-    *mutable_parameter_block_sizes() = {int(skin.shapeCount()), 1, kRootSize, int(3 * skin.posedCount()), context.sway.size()};
+    auto& sizes = *mutable_parameter_block_sizes();
+    sizes = {int(skin.shapeCount()), 1, kRootSize};
+    addPoseBlockSizes(sizes, skin.posedCount());
+    sizes.push_back(context.sway.size());
 }
 
 bool SilhouetteCost::Evaluate(double const* const* blocks, double* residuals, double** jacobians) const {
-    const size_t poseSize = 3 * skin_.posedCount(), shapes = skin_.shapeCount(), width = skin_.columns();
+    const size_t joints = skin_.posedCount(), shapes = skin_.shapeCount(), width = skin_.columns();
+    const double* sway = blocks[3 + joints];
     double root[kRootSize];
-    for (int i = 0; i < kRootSize; ++i) root[i] = blocks[2][i] + blocks[4][i];
-    std::vector<double> pose(blocks[3], blocks[3] + poseSize);
+    for (int i = 0; i < kRootSize; ++i) root[i] = blocks[2][i] + sway[i];
+    std::vector<double> pose = poseOfBlocks(blocks + 3, joints);
     for (size_t s = 0; s < context_.sway.slots.size(); ++s)
-        for (int i = 0; i < 3; ++i) pose[3 * context_.sway.slots[s] + size_t(i)] += blocks[4][kRootSize + 3 * int(s) + i];
+        for (int i = 0; i < 3; ++i) pose[3 * context_.sway.slots[s] + size_t(i)] += sway[kRootSize + 3 * int(s) + i];
     thread_local KeypointChain::Output posed;
     skin_.evaluate(rootReference_, root, pose.data(), blocks[0], jacobians != nullptr, posed);
     const Mat3d& R = camera_.viewFromWorldRotation;
@@ -144,11 +148,11 @@ bool SilhouetteCost::Evaluate(double const* const* blocks, double* residuals, do
                     dWorld = Rt * dView;
         const double* rows = &posed.jacobian[outline_[n] * 3 * width];
         for (size_t c = 0; c < width; ++c) row[c] = dWorld.x * rows[c] + dWorld.y * rows[width + c] + dWorld.z * rows[2 * width + c];
-        if (jacobians[0]) std::copy_n(&row[kRootSize + poseSize], shapes, jacobians[0] + n * shapes);
+        if (jacobians[0]) std::copy_n(&row[kRootSize + 3 * joints], shapes, jacobians[0] + n * shapes);
         if (jacobians[1]) jacobians[1][n] = glm::dot(dView, shift);
         if (jacobians[2]) std::copy_n(&row[0], kRootSize, jacobians[2] + n * kRootSize);
-        if (jacobians[3]) std::copy_n(&row[kRootSize], poseSize, jacobians[3] + n * poseSize);
-        if (double* out = jacobians[4]) {
+        setPoseRow(jacobians + 3, n, &row[kRootSize], joints);
+        if (double* out = jacobians[3 + joints]) {
             out += n * size_t(context_.sway.size());
             std::copy_n(&row[0], kRootSize, out);
             for (size_t s = 0; s < context_.sway.slots.size(); ++s)

@@ -16,16 +16,22 @@ void addMotionTerms(ceres::Problem& problem, const MotionModel& model, std::span
         const MovingFrame &a = inTime[i], &b = inTime[i + 1];
         const double step = b.timeS - a.timeS;
         if (!linked(step) || (!a.free && !b.free)) continue;
+        std::vector<double*> blocks = {model.shape};
+        for (const MovingFrame* frame : {&a, &b}) {
+            blocks.push_back(frame->root);
+            addPoseBlocks(blocks, frame->pose, model.priors.size());
+        }
         problem.AddResidualBlock(
             new FootRest(model.context, feet, *a.reference, *b.reference, priors::kFootSlideM + priors::kFootSlideMS * step), nullptr,
-            std::vector<double*>{model.shape, a.root, a.pose, b.root, b.pose});
+            blocks);
     }
     for (size_t i = 1; i + 1 < inTime.size(); ++i) {
         const MovingFrame &a = inTime[i - 1], &b = inTime[i], &c = inTime[i + 1];
         if (!linked(b.timeS - a.timeS) || !linked(c.timeS - b.timeS)) continue;
         if (!a.free && !b.free && !c.free) continue;
-        problem.AddResidualBlock(new PoseSmoothness(model.priors, a.timeS, b.timeS, c.timeS, model.spread), nullptr, a.pose, b.pose,
-                                 c.pose);
+        for (size_t j = 0; j < model.priors.size(); ++j)
+            problem.AddResidualBlock(new JointSmoothness(model.priors[j], a.timeS, b.timeS, c.timeS, model.spread), nullptr, a.pose + 3 * j,
+                                     b.pose + 3 * j, c.pose + 3 * j);
         problem.AddResidualBlock(
             makeRootSmoothness({*a.reference, *b.reference, *c.reference}, model.up, a.timeS, b.timeS, c.timeS, model.spread), nullptr,
             a.root, b.root, c.root);

@@ -6,6 +6,7 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
+#include <set>
 
 #include "reconstruction/subject/body/motion_terms.h"
 #include "reconstruction/subject/body/priors.h"
@@ -151,8 +152,9 @@ void FramePoses::addKeypoints(ceres::Problem& problem, size_t f) {
     State& s = states_[f];
     if (std::none_of(frame.keypoints.begin(), frame.keypoints.end(), [](const Keypoint& k) { return k.confidence > 0; })) return;
     const std::vector<Keypoint> keypoints(frame.keypoints.begin(), frame.keypoints.end());
-    problem.AddResidualBlock(new ReprojectionCost(context_, frame.camera, s.reference, keypoints, sigmaPx(frame), false), nullptr,
-                             std::vector<double*>{&noShape_, &logUnit_, s.root, s.pose.data()});
+    std::vector<double*> blocks = {&noShape_, &logUnit_, s.root};
+    addPoseBlocks(blocks, s.pose.data(), priors_.size());
+    problem.AddResidualBlock(new ReprojectionCost(context_, frame.camera, s.reference, keypoints, sigmaPx(frame), false), nullptr, blocks);
 }
 
 /** The prior of a still frame: its pose sways about the shared still pose. */
@@ -165,13 +167,13 @@ void FramePoses::addSway(ceres::Problem& problem, size_t f) {
         new DiagonalPrior({turn.x, turn.y, turn.z, at.x, at.y, at.z}, {priors::kSwayTurnRad, priors::kSwayTurnRad, priors::kSwayTurnRad,
                                                                        priors::kSwayM, priors::kSwayM, priors::kSwayM}),
         nullptr, s.root);
-    problem.AddResidualBlock(new DiagonalPrior(stillPose_, poseSigma), nullptr, s.pose.data());
+    addDiagonalPosePrior(problem, stillPose_, poseSigma, s.pose.data());
 }
 
 /** The priors of a moving frame by itself. */
 void FramePoses::addStandingPriors(ceres::Problem& problem, size_t f) {
     State& s = states_[f];
-    problem.AddResidualBlock(new PosePriorCost(priors_, stillPose_), nullptr, s.pose.data());
+    addPosePrior(problem, priors_, stillPose_, s.pose.data());
     problem.AddResidualBlock(makeRootUpright(s.reference, Vec3d(0, 1, 0), still_ * Vec3d(0, 1, 0)), nullptr, s.root);
 }
 
@@ -200,20 +202,23 @@ void FramePoses::addTerms(ceres::Problem& problem, Split split) {
     for (double* constant : {&noShape_, &logUnit_})
         if (problem.HasParameterBlock(constant)) problem.SetParameterBlockConstant(constant);
     for (const size_t f : order)
-        if (!free(f))
-            for (double* block : {states_[f].root, states_[f].pose.data()})
-                if (problem.HasParameterBlock(block)) problem.SetParameterBlockConstant(block);
+        if (!free(f)) hold(problem, f);
 }
 
 void FramePoses::holdAllBut(ceres::Problem& problem, std::span<const size_t> frames) {
     for (size_t f = 0; f < states_.size(); ++f)
-        if (std::find(frames.begin(), frames.end(), f) == frames.end())
-            for (double* block : {states_[f].root, states_[f].pose.data()})
-                if (problem.HasParameterBlock(block)) problem.SetParameterBlockConstant(block);
+        if (std::find(frames.begin(), frames.end(), f) == frames.end()) hold(problem, f);
+}
+
+void FramePoses::hold(ceres::Problem& problem, size_t f) {
+    if (problem.HasParameterBlock(states_[f].root)) problem.SetParameterBlockConstant(states_[f].root);
+    holdPose(problem, states_[f].pose);
 }
 
 void FramePoses::addPicture(ceres::Problem& problem, size_t frame, ceres::CostFunction* cost) {
-    problem.AddResidualBlock(cost, nullptr, states_[frame].root, states_[frame].pose.data());
+    std::vector<double*> blocks = {states_[frame].root};
+    addPoseBlocks(blocks, states_[frame].pose.data(), priors_.size());
+    problem.AddResidualBlock(cost, nullptr, blocks);
 }
 
 PosePrecision FramePoses::precision(ceres::Problem& problem, size_t frame) {
@@ -228,13 +233,15 @@ PosePrecision FramePoses::precision(ceres::Problem& problem, size_t frame) {
     }
     ceres::Problem& own = solved ? problem : priorsAlone;
     ceres::Problem::EvaluateOptions options;
-    options.parameter_blocks = {s.root, s.pose.data()};
-    std::vector<ceres::ResidualBlockId> ofPose;
-    own.GetResidualBlocksForParameterBlock(s.root, &options.residual_blocks);  // in the order in which they were added
-    own.GetResidualBlocksForParameterBlock(s.pose.data(), &ofPose);
-    const std::vector<ceres::ResidualBlockId> ofRoot = options.residual_blocks;
-    for (const ceres::ResidualBlockId block : ofPose)
-        if (std::find(ofRoot.begin(), ofRoot.end(), block) == ofRoot.end()) options.residual_blocks.push_back(block);
+    options.parameter_blocks = {s.root};
+    addPoseBlocks(options.parameter_blocks, s.pose.data(), priors_.size());
+    std::set<ceres::ResidualBlockId> known;
+    for (double* block : options.parameter_blocks) {
+        std::vector<ceres::ResidualBlockId> terms;
+        own.GetResidualBlocksForParameterBlock(block, &terms);  // in the order in which they were added
+        for (const ceres::ResidualBlockId term : terms)
+            if (known.insert(term).second) options.residual_blocks.push_back(term);
+    }
     ceres::CRSMatrix jacobian;
     own.Evaluate(options, nullptr, nullptr, nullptr, &jacobian);
 

@@ -41,7 +41,7 @@ public:
     void addTerms(ceres::Problem& problem, Split split);
     /** Holds all frames but these, moving or still. */
     void holdAllBut(ceres::Problem& problem, std::span<const size_t> frames);
-    /** Adds a cost of blocks root, pose. The problem owns it. */
+    /** Adds a cost of the blocks of root and pose. The problem owns it. */
     void addPicture(ceres::Problem& problem, size_t frame, ceres::CostFunction* cost);
     /** Precision of a frame's pose, by the Gauss–Newton matrix of its own residuals in `problem`. Without any there: of
      *  the priors of the frame alone. */
@@ -62,6 +62,7 @@ private:
     std::vector<Mat3d> heldOf(const Pose& pose) const;
     LimbModel limbModel() const { return {body_, chain_, priors_, input_.keypointNames, &noShape_, stillPose_}; }
     LimbFrame limbFrame(size_t frame);
+    void hold(ceres::Problem& problem, size_t frame);
     void addKeypoints(ceres::Problem& problem, size_t frame);
     void addSway(ceres::Problem& problem, size_t frame);
     void addStandingPriors(ceres::Problem& problem, size_t frame);

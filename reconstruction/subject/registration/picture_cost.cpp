@@ -32,15 +32,17 @@ PictureCost::PictureCost(const KeypointChain& chain, const Camerad& camera, cons
       outline_(std::move(outline)),
       held_(held) {
     set_num_residuals(int(chain.columns()) + 1);
-    *mutable_parameter_block_sizes() = {kRootSize, int(3 * chain.posedCount())};
+    mutable_parameter_block_sizes()->push_back(kRootSize);
+    addPoseBlockSizes(*mutable_parameter_block_sizes(), chain.posedCount());
 }
 
 bool PictureCost::Evaluate(double const* const* blocks, double* residuals, double** jacobians) const {
     using Matrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
     const Eigen::Index n = Eigen::Index(chain_.columns());
-    const bool wantJacobian = jacobians && (jacobians[0] || jacobians[1]);
+    const size_t joints = chain_.posedCount();
+    const bool wantJacobian = jacobians && std::any_of(jacobians, jacobians + 1 + joints, [](const double* j) { return j != nullptr; });
     thread_local KeypointChain::Output posed;
-    chain_.evaluate(rootReference_, blocks[0], blocks[1], nullptr, wantJacobian, posed, held_);
+    chain_.evaluate(rootReference_, blocks[0], poseOfBlocks(blocks + 1, joints).data(), nullptr, wantJacobian, posed, held_);
     const Mat3d viewToWorld = glm::transpose(camera_.viewFromWorldRotation);
     // Rows are collected in a block and added to H together, which is several times faster than one by one.
     constexpr Eigen::Index kBlock = 96;
@@ -109,10 +111,11 @@ bool PictureCost::Evaluate(double const* const* blocks, double* residuals, doubl
         out.setZero();
         out.topRows(n) = r.leftCols(kRootSize);
     }
-    if (jacobians[1]) {
-        Eigen::Map<Matrix> out(jacobians[1], n + 1, n - kRootSize);
+    for (size_t j = 0; j < joints; ++j) {
+        if (!jacobians[1 + j]) continue;
+        Eigen::Map<Matrix> out(jacobians[1 + j], n + 1, 3);
         out.setZero();
-        out.topRows(n) = r.rightCols(n - kRootSize);
+        out.topRows(n) = r.middleCols(Eigen::Index(kRootSize + 3 * j), 3);
     }
     return true;
 }

@@ -26,8 +26,8 @@ struct OutlineTerm {
     double weight = 1;
 };
 
-/** Cost Σ weight · ρ(|r|²) over all terms, with ρ(s) = c² s/(s + c²), as a function of the frame's root and pose. Blocks: root, pose.
- *  All terms are compressed to columns + 1 residuals: with H = Σ ρ' JᵀJ = RᵀR, g = Σ ρ' Jᵀr and the cost C, the residuals are
+/** Cost Σ weight · ρ(|r|²) over all terms, with ρ(s) = c² s/(s + c²), as a function of the frame's root and pose. Blocks: root, those of
+ * the pose. All terms are compressed to columns + 1 residuals: with H = Σ ρ' JᵀJ = RᵀR, g = Σ ρ' Jᵀr and the cost C, the residuals are
  *  (R⁻ᵀg, √(C − |R⁻ᵀg|²)) and their Jacobian (R, 0). Cost and gradient are exact, and H is that of reweighted least squares. A call
  *  without Jacobian puts the whole cost into the last residual. */
 class PictureCost final : public ceres::CostFunction {

@@ -238,6 +238,35 @@ TEST(FitBody, estimatesTheNoiseOfTheDetector) {
     }
 }
 
+TEST(FitBody, twoThreadsGiveTheBytesOfOne) {
+    const Made m = make(3, 1, /*movingFrames=*/12);
+    const auto one = fitBody(m.body, m.scan, m.keypoints), two = fitBody(m.body, m.scan, m.keypoints, {}, 2);
+    ASSERT_TRUE(one && two) << (one ? two.error() : one.error()).message;
+    ASSERT_EQ(one->poses.size(), two->poses.size());
+    for (size_t f = 0; f < one->poses.size(); ++f) {
+        EXPECT_EQ(one->poses[f].localRotations, two->poses[f].localRotations) << f;
+        EXPECT_EQ(one->poses[f].rootTranslation, two->poses[f].rootTranslation) << f;
+    }
+    ASSERT_EQ(one->solves.size(), two->solves.size());
+    for (size_t s = 0; s < one->solves.size(); ++s) EXPECT_EQ(one->solves[s].what, two->solves[s].what);
+}
+
+/** Cancelled when the moving frames have begun. */
+class CancelsWhenMoving final : public Task {
+    void hear(double, std::string_view doing) override {
+        if (doing.starts_with("moving")) cancel();
+    }
+};
+
+TEST(FitBody, cancelsOnTwoThreads) {
+    const Made m = make(3, 1, /*movingFrames=*/12);
+    CancelsWhenMoving task;
+    const TaskScope scope(&task);
+    const auto fit = fitBody(m.body, m.scan, m.keypoints, {}, 2);
+    ASSERT_FALSE(fit);
+    EXPECT_EQ(fit.error().code, Code::Cancelled);
+}
+
 TEST(FitBody, cancelsWithItsOwnCode) {
     const Made m = make(3, 1, /*movingFrames=*/0);
     test::HeardTask cancelled(1);

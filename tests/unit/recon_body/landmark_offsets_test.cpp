@@ -6,7 +6,6 @@
 #include <cmath>
 #include <random>
 
-#include "reconstruction/subject/body/fit_costs.h"
 #include "small_body.h"
 
 namespace dpl {
@@ -71,28 +70,6 @@ TEST(LandmarkOffsets, ofOurNetworksAreMirrored) {
     EXPECT_EQ(right, Vec3d(-left.x, left.y, left.z));
     EXPECT_GT(foundLandmarkOffset("pelvis").z, 0);
     for (const char* unknown : {"", "_l", "tail"}) EXPECT_EQ(foundLandmarkOffset(unknown), Vec3d(0)) << unknown;
-}
-
-TEST(PoseSmoothness, heavyTailHasTheGradientOfItsCost) {
-    JointPrior prior;
-    prior.accelerationRadS2 = 2;
-    const PoseSmoothness cost({prior}, 0, 0.2, 0.45, {true, 0.2});
-    std::vector<double> x{0.1, 0, -0.2, 0.3, 0.01, 0.1, -0.1, 0, 0.4};
-    const double* blocks[3] = {&x[0], &x[3], &x[6]};
-    double r[3], a[9], b[9], c[9];
-    double* jacobians[3] = {a, b, c};
-    ASSERT_TRUE(cost.Evaluate(blocks, r, jacobians));
-    const std::vector<double> before(r, r + 3);
-    EXPECT_GT(std::abs(before[0]), 1) << "in the tail";
-    for (size_t p = 0; p < 9; ++p) {
-        x[p] += 1e-6;
-        double more[3];
-        ASSERT_TRUE(cost.Evaluate(blocks, more, nullptr));
-        x[p] -= 1e-6;
-        const double slope = jacobians[p / 3][(p % 3) * 3 + p % 3];
-        EXPECT_NEAR((more[p % 3] - before[p % 3]) / 1e-6, slope, 1e-4 * std::abs(slope)) << p;
-        EXPECT_NE(slope, 0);
-    }
 }
 
 }  // namespace

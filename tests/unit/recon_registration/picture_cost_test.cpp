@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "reconstruction/subject/registration/appearance.h"
+#include "tests/unit/cost_gradient.h"
 #include "tests/unit/recon_registration/painted_scene.h"
 
 namespace dpl::test {
@@ -33,24 +34,6 @@ struct CostCase {
         }
         return PictureCost(chain, camera, rotationOf({0, 0.2, 0}), &contrast, std::move(a), std::move(b));
     }
-    static double half(const PictureCost& cost, const std::vector<double>& x, std::vector<double>* gradient) {
-        const int columns = int(x.size());
-        std::vector<double> r(size_t(cost.num_residuals())), root(r.size() * kRootSize), pose(r.size() * size_t(columns - kRootSize));
-        const double* blocks[2] = {x.data(), x.data() + kRootSize};
-        double* jacobians[2] = {root.data(), pose.data()};
-        EXPECT_TRUE(cost.Evaluate(blocks, r.data(), gradient ? jacobians : nullptr));
-        double sum = 0;
-        for (const double v : r) sum += 0.5 * v * v;
-        if (gradient) {
-            gradient->assign(x.size(), 0.0);
-            for (size_t i = 0; i < r.size(); ++i)
-                for (int c = 0; c < columns; ++c)
-                    (*gradient)[size_t(c)] += r[i] * (c < kRootSize ? root[i * kRootSize + size_t(c)]
-                                                                    : pose[i * size_t(columns - kRootSize) + size_t(c - kRootSize)]);
-        }
-        return sum;
-    }
-
     PaintedScene scene{0};
     Camerad camera;
     ContrastImage contrast;
@@ -58,35 +41,22 @@ struct CostCase {
     KeypointChain chain{scene.body, scene.names, {1, 2, 4, 7, 8, 9, 11, 12}};
 };
 
-void expectGradient(const PictureCost& cost, size_t columns) {
-    std::vector<double> x(columns, 0.0), gradient;
+void expectRightGradient(const PictureCost& cost, size_t columns) {
+    std::vector<double> x(columns, 0.0);
     for (size_t i = 0; i < columns; ++i) x[i] = 0.05 * std::sin(double(i));
-    const double value = CostCase::half(cost, x, &gradient);
-    EXPECT_NEAR(value, CostCase::half(cost, x, nullptr), 1e-9 * value) << "with and without Jacobian";
-    EXPECT_GT(value, 0.1);
-    double largest = 0;
-    for (const double g : gradient) largest = std::max(largest, std::abs(g));
-    ASSERT_GT(largest, 0.1);
-    for (size_t i = 0; i < columns; ++i) {
-        const double h = 1e-6;
-        std::vector<double> more = x, less = x;
-        more[i] += h, less[i] -= h;
-        const double numeric = (CostCase::half(cost, more, nullptr) - CostCase::half(cost, less, nullptr)) / (2 * h);
-        EXPECT_NEAR(gradient[i], numeric, 1e-3 * largest) << i;  // float pictures: measured 2e-5
-        if (i < kRootSize) {
-            EXPECT_NE(gradient[i], 0) << i;
-        }
-    }
+    const std::vector<double> gradient = test::expectGradient(cost, x, 1e-3);  // float pictures: measured 2e-5
+    EXPECT_GT(test::halfCost(cost, x), 0.1);
+    for (size_t i = 0; i < kRootSize; ++i) EXPECT_NE(gradient[i], 0) << i;
 }
 
 TEST(PictureCost, gradientOfContrastIsThatOfFiniteDifferences) {
     CostCase c;
-    expectGradient(c.cost(true, false), c.chain.columns());
+    expectRightGradient(c.cost(true, false), c.chain.columns());
 }
 
 TEST(PictureCost, gradientOfOutlinesIsThatOfFiniteDifferences) {
     CostCase c;
-    expectGradient(c.cost(false, true), c.chain.columns());
+    expectRightGradient(c.cost(false, true), c.chain.columns());
 }
 
 TEST(PictureCost, pointsBehindTheCameraAreConstant) {
@@ -94,7 +64,7 @@ TEST(PictureCost, pointsBehindTheCameraAreConstant) {
     const PictureCost cost = c.cost(true, true);
     std::vector<double> x(c.chain.columns(), 0.0), gradient;
     x[5] = 50;  // far behind the eye
-    CostCase::half(cost, x, &gradient);
+    test::halfCost(cost, x, &gradient);
     for (const double g : gradient) EXPECT_NEAR(g, 0, 1e-9);
 }
 
