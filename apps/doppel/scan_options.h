@@ -45,9 +45,10 @@ inline void addEngineOption(CLI::App& command, ReconstructOptions& options) {
         options.device = std::move(*device);
     };
     command
-        .add_option_function<std::string>("--engine", choose,
-                                          "What trains: cpu; gpu, by Vulkan (gpu:NAME with a part of its name, where there are several); "
-                                          "auto, a GPU where there is one, and the CPU if it fails. New: it has run on emulated GPUs only")
+        .add_option_function<std::string>(
+            "--engine", choose,
+            "What trains: cpu; gpu, by Vulkan or Metal (gpu:NAME with a part of its name, where there are several); "
+            "auto, a GPU where there is one, and the CPU if it fails. New: it has run on emulated GPUs only")
         ->type_name("cpu|gpu|gpu:NAME|auto")
         ->default_str("cpu");
 }
