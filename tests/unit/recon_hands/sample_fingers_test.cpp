@@ -51,7 +51,7 @@ TEST(SampleFingers, areFoundInStillAndMovingFrames) {
     const BodyModel body = withBoneMorphs(makeBuiltinBody());
     BodyFitSettings settings;
     settings.useMasks = false;  // they tell of weight and build, and take a third of the time
-    BodyFit fit = must(fitBody(body, scan, settings));
+    BodyFit fit = must(fitBody(body, scan, settings, 2));
     const std::vector<Pose> before = fit.poses;
     const std::vector<HandFit> hands = must(fitFingers(body, scan, fit));
     const FingerTruth truth = must(compareWithTruth(sample.folder, scan, shapedBody(body, fit.shape), fit)).fingers;
