@@ -30,7 +30,7 @@ constexpr uint32_t kLeastSteps = 100, kMostSteps = 1'000'000;
 class TimeLeft {
 public:
     /** Share of the measured seconds of all stages that this run must have behind it. */
-    static constexpr double kLeastSeen = 0.2;
+    static constexpr double kLeastSeen = 0.15;
     static constexpr size_t kStages = 11;
 
     /** The stages to come. Without it nothing is said of the run. May come again when more is known. */

@@ -3,8 +3,8 @@
 """The JSON of tools/prove-gpu, from the JSON lines of its benches.
 
     gpu_proof.py software FILE.jsonl    yes if the device of these frames is a driver on the CPU, otherwise no
-    gpu_proof.py report FOLDER ...      one JSON object of device.jsonl, frames.jsonl, ways.jsonl, writes.jsonl and training.*.jsonl in FOLDER; a bench that failed
-                                        left none
+    gpu_proof.py report FOLDER ...      one JSON object of device.jsonl, frames.jsonl, ways.jsonl, writes.jsonl, training.*.jsonl and engines.jsonl in FOLDER;
+                                        a bench that failed left none
 """
 import argparse
 import json
@@ -48,6 +48,7 @@ def report(folder, options):
         "ways": rows_of(folder / "ways.jsonl"),
         "writes": rows_of(folder / "writes.jsonl"),
         "training": {engine: rows_of(folder / f"training.{engine}.jsonl") for engine in ("gpu", "cpu", "2k")},
+        "engines": rows_of(folder / "engines.jsonl"),
     }
 
 
