@@ -86,12 +86,22 @@ public:
           context_(context),
           scores_(context.folder / "scores.json") {}
 
+    /** Fits the jury's poses to the avatar as training left it. The avatars that are judged differ from it by a little, so their own fits
+     * start there and run their last rounds only. */
+    Status fitPoses() {
+        if (!jury_.registered) return {};
+        DPL_TRY(const auto bytes, writeAvatar(assembled_.avatar, {}));
+        DPL_TRY(const AvatarData decoded, readAvatar(bytes));
+        DPL_TRY(poses_, PoseFitter(decoded, jobs_).fitAll(jury_.frames, settings_.poseFit, jobs_));
+        return {};
+    }
+
     /** The score of `avatar` after it was trained on. name: of the avatar, for the next run. */
     Result<JuryScore> score(const std::string& name, AvatarData avatar, const RetrainParts& parts) {
         if (const auto known = scores_.find(name)) return *known;
         const std::filesystem::path checkpoint = context_.folder / ("without-" + name + ".checkpoint");
         {
-            const TaskPart part(0, 0.5);
+            const TaskPart part(0, 0.8);
             DPL_TRY(avatar, trainedOn(std::move(avatar), parts, assembled_, settings_, jobs_, checkpoint, context_.progress));
         }
         DPL_TRY(const JuryScore score, scoreOf(avatar));
@@ -107,10 +117,10 @@ private:
         DPL_TRY(const AvatarData decoded, readAvatar(bytes));
         std::vector<std::optional<PoseFitResult>> fits(jury_.frames.size());
         if (jury_.registered) {
-            const TaskPart fitting(0.5, 0.8);
-            DPL_TRY(fits, PoseFitter(decoded, jobs_).fitAll(jury_.frames, settings_.poseFit, jobs_));
+            const TaskPart fitting(0.8, 0.95);
+            DPL_TRY(fits, PoseFitter(decoded, jobs_).fitAll(jury_.frames, settings_.poseFit, jobs_, poses_));
         }
-        const TaskPart scoring(0.8, 1);
+        const TaskPart scoring(0.95, 1);
         DPL_TRY(auto view, AvatarView::open(bytes, jobs_.threadCount()));
         JuryScore sum;
         Mean psnrDb, detail, closeDetail;
@@ -136,6 +146,7 @@ private:
     Jobs& jobs_;
     StageContext& context_;
     JuryScores scores_;
+    std::vector<std::optional<PoseFitResult>> poses_;  // of the jury's frames, fitted to the avatar as training left it
 };
 
 std::string decimals(double value, int digits) {
@@ -156,15 +167,19 @@ const char* whyNotTrained(AvatarPart part, const RunSettings& settings) {
 }
 
 Status weigh(const AssembledAvatar& assembled, const Jury& jury, const RunSettings& settings, Jobs& jobs, StageContext& context) {
-    constexpr double kShare = 1.0 / 6;  // of the work: the whole avatar, and one without each part
+    constexpr double kFirst = 1.0 / 10, kShare = (1 - kFirst) / 6;  // of the work: the poses; the whole avatar, and one without each part
     Judge judge(assembled, jury, settings, jobs, context);
+    {
+        const TaskPart part(0, kFirst);
+        DPL_RETURN_IF_ERROR(judge.fitPoses());
+    }
     const AvatarData& avatar = assembled.avatar;
     const RetrainParts trained{.correctiveLight = settings.training.rateNodeLight > 0};
     const auto score = [&](const char* without, AvatarData judged, const RetrainParts& parts, double from) {
         const TaskPart part(from, from + kShare);
         return judge.score(without, std::move(judged), parts);
     };
-    DPL_TRY(const JuryScore whole, score("nothing", avatar, trained, 0));
+    DPL_TRY(const JuryScore whole, score("nothing", avatar, trained, kFirst));
     DPL_TRY(const auto wholeFile, writeAvatar(avatar, kPackaged));
     const std::pair<AvatarPart, std::string> kParts[] = {
         {AvatarPart::CorrectiveOffsets, "pose-dependent offsets"},
@@ -174,7 +189,7 @@ Status weigh(const AssembledAvatar& assembled, const Jury& jury, const RunSettin
         {AvatarPart::ViewDependentColour, "view-dependent colour (SH degree " + std::to_string(avatar.splats.shDegree) + ")"}};
     std::vector<PartEvidence> rows;
     for (const auto& [part, name] : kParts) {
-        const double from = kShare * double(rows.size() + 1);
+        const double from = kFirst + kShare * double(rows.size() + 1);
         if (!hasPart(avatar, part)) {
             rows.push_back({part, {name, false, 0, 0, whyNotTrained(part, settings)}});
             continue;

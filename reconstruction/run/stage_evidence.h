@@ -2,8 +2,8 @@
 // The stage evidence measures how much each optional part improves the avatar. The trained avatar is trained on for a short while, whole
 // and again without each part, so that what remains makes up for the part as well as it can. The public SDK draws validation frames with
 // each of these avatars, and the pictures are scored. A validation frame is drawn in its registered pose after a pose fit, which moves
-// joints and root only, to the avatar that is judged. A part must gain a fixed amount, and more the larger it is. A scan that is too small
-// for a validation split is judged on training frames. Held-out frames are not used.
+// joints and root only, to the avatar that is judged; it starts where a fit to the trained avatar ended. A part must gain a fixed amount,
+// and more the larger it is. A scan that is too small for a validation split is judged on training frames. Held-out frames are not used.
 #pragma once
 
 #include "reconstruction/judging/evidence/evidence_file.h"
@@ -20,7 +20,7 @@ struct MeasuredParts {
 
 template <>
 struct StageOf<MeasuredParts> {
-    static constexpr StageName kName{"evidence", 15};
+    static constexpr StageName kName{"evidence", 16};
     static constexpr const char* kPriors[] = {"input/cameras",   "input/capture",        "judging/evidence", "subject/garments",
                                               "subject/surface", "training/correctives", "training/trainer"};
     static Status inputs(StageInputs& in);

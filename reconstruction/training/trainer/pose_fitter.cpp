@@ -10,6 +10,11 @@
 #include "sdk/core/task.h"
 
 namespace dpl {
+namespace {
+
+constexpr double kSecondFit = 0.25;  // share of the rounds that a fit from a fitted pose runs, the last ones
+
+}  // namespace
 
 PoseFitter::PoseFitter(const AvatarData& avatar, Jobs& jobs)
     : avatar_(avatar), bind_(restTriangles(avatar.mesh)), incidence_(avatar.mesh.triangles, avatar.mesh.restPositions.size()) {
@@ -19,9 +24,10 @@ PoseFitter::PoseFitter(const AvatarData& avatar, Jobs& jobs)
     if (!avatar.light.empty()) normals_ = restVertexNormals(avatar.mesh);
 }
 
-Result<PoseFitResult> PoseFitter::fit(const TrainFrame& frame, const PoseFitSettings& settings, Jobs& jobs) const {
+Result<PoseFitResult> PoseFitter::fit(const TrainFrame& frame, const PoseFitSettings& settings, Jobs& jobs, const Pose* from) const {
     DPL_TRY(const auto picture, checkedPicture(frame));
     DPL_RETURN_IF_ERROR(checkPose(avatar_.joints, frame.pose));
+    if (from) DPL_RETURN_IF_ERROR(checkPose(avatar_.joints, *from));
     DPL_RETURN_IF_ERROR(checkPrecision(frame, avatar_.joints.size()));
     LevelFrame coarse = makeLevelFrame(frame, *picture, std::max(0.5f, coarsestScale(frame)), {}, false),
                fine = makeLevelFrame(frame, *picture, 1, {}, true);
@@ -46,9 +52,14 @@ Result<PoseFitResult> PoseFitter::fit(const TrainFrame& frame, const PoseFitSett
     }
     PosePull pull{frame.pose, frame.precision ? &precision : nullptr};
     double best = nats(result.lossBefore, pull, frame.pose);
-    Pose pose = frame.pose;
+    const auto meet = [&](const Pose& pose) {
+        const double after = pass.run(subject, pose, fine, settings.loss, grey, false).total, now = nats(after, pull, pose);
+        if (now < best) best = now, result.lossAfter = after, result.pose = pose;
+    };
+    Pose pose = from ? *from : frame.pose;
+    if (from) meet(pose);
     AdamVector adam;
-    for (uint32_t i = 0; i < settings.iterations; ++i) {
+    for (uint32_t i = from ? uint32_t((1 - kSecondFit) * settings.iterations) : 0; i < settings.iterations; ++i) {
         const Vec3f background(float(hashUniform(settings.seed, 20, 3 * i)), float(hashUniform(settings.seed, 20, 3 * i + 1)),
                                float(hashUniform(settings.seed, 20, 3 * i + 2)));
         const bool late = 2 * i >= settings.iterations;
@@ -58,16 +69,13 @@ Result<PoseFitResult> PoseFitter::fit(const TrainFrame& frame, const PoseFitSett
         pull.lossPerNat = lossPerNat(loss, level.personPx, settings.pictureTrust);
         stepPose(pose, adam, pass.poseGradient(), {settings.rateRotation * fall, settings.rateTranslation * fall}, pull);
         const bool last = i + 1 == settings.iterations;
-        if (last || (late && i % 10 == 9)) {
-            const double after = pass.run(subject, pose, fine, settings.loss, grey, false).total, now = nats(after, pull, pose);
-            if (now < best) best = now, result.lossAfter = after, result.pose = pose;
-        }
+        if (last || (late && i % 10 == 9)) meet(pose);
     }
     return result;
 }
 
 Result<std::vector<std::optional<PoseFitResult>>> PoseFitter::fitAll(std::span<const TrainFrame> frames, const PoseFitSettings& settings,
-                                                                     Jobs& jobs) const {
+                                                                     Jobs& jobs, std::span<const std::optional<PoseFitResult>> from) const {
     std::vector<std::optional<PoseFitResult>> fits(frames.size());
     std::atomic<bool> stopped{false};
     std::atomic<size_t> done{0};
@@ -80,7 +88,8 @@ Result<std::vector<std::optional<PoseFitResult>>> PoseFitter::fitAll(std::span<c
         }
         if (stopped) return;
         Jobs alone(1);
-        if (auto fitted = fit(frames[f], settings, alone)) fits[f] = std::move(*fitted);
+        const Pose* start = f < from.size() && from[f] ? &from[f]->pose : nullptr;
+        if (auto fitted = fit(frames[f], settings, alone, start)) fits[f] = std::move(*fitted);
         ++done;
     });
     DPL_RETURN_IF_ERROR(goesOn);

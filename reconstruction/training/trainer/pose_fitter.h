@@ -13,13 +13,14 @@ public:
     /** Keeps a reference to `avatar`. */
     PoseFitter(const AvatarData& avatar, Jobs& jobs);
 
-    /** fitPose() of a frame. Const, so several threads may fit, each with jobs of its own. */
-    Result<PoseFitResult> fit(const TrainFrame& frame, const PoseFitSettings& settings, Jobs& jobs) const;
+    /** fitPose() of a frame. from: the pose that fits an avatar much like this one, where it is known; then only the last rounds run, those
+     * of the smallest steps. Const, so several threads may fit, each with jobs of its own. */
+    Result<PoseFitResult> fit(const TrainFrame& frame, const PoseFitSettings& settings, Jobs& jobs, const Pose* from = nullptr) const;
 
-    /** fit() of every frame, in their order, a frame a thread: same results for any number of threads. nullopt: the frame's picture cannot
-     * be used. Error: Cancelled. */
+    /** fit() of every frame, in their order, a frame a thread: same results for any number of threads. from: empty, or as fitAll() returned
+     * it for these frames and an avatar much like this one. nullopt: the frame's picture cannot be used. Error: Cancelled. */
     Result<std::vector<std::optional<PoseFitResult>>> fitAll(std::span<const TrainFrame> frames, const PoseFitSettings& settings,
-                                                             Jobs& jobs) const;
+                                                             Jobs& jobs, std::span<const std::optional<PoseFitResult>> from = {}) const;
 
 private:
     const AvatarData& avatar_;

@@ -481,6 +481,18 @@ TEST(PoseFit, framesAtOnceEqualFramesOneByOne) {
         EXPECT_TRUE(samePose((*alone)[f]->pose, single->pose)) << f;
         EXPECT_FALSE(samePose(single->pose, frames[f].pose)) << f;
     }
+    const auto again = fitter.fitAll(frames, settings, jobs, *together);
+    ASSERT_TRUE(again);
+    for (size_t f = 0; f < frames.size(); ++f) {
+        ASSERT_EQ((*again)[f].has_value(), f != 2) << f;
+        if (f == 2) continue;
+        EXPECT_LE((*again)[f]->lossAfter, (*together)[f]->lossAfter) << f;
+        EXPECT_EQ((*again)[f]->lossBefore, (*together)[f]->lossBefore) << f;
+        EXPECT_TRUE(samePose((*again)[f]->pose, fitter.fit(frames[f], settings, jobs, &(*together)[f]->pose)->pose)) << f;
+    }
+    const Pose noPose;
+    EXPECT_EQ(fitter.fit(frames[0], settings, jobs, &noPose).error().code, Code::InvalidArgument);
+
     Task task;
     task.cancel();
     const TaskScope scope(&task);
