@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "reconstruction/run/fit_file.h"
+#include "reconstruction/run/precision_file.h"
 #include "reconstruction/run/run_request.h"
 #include "reconstruction/run/scan_inputs.h"
 #include "reconstruction/run/settings_json.h"
@@ -42,6 +43,19 @@ Result<ChosenBody> StageOf<ChosenBody>::compute(StageInputs& in) {
     std::swap(expressions, chosen.body.expressions);
     return chosen;
 }
+
+namespace {
+
+/** What both hands say of the fingers of each frame; of the root alone, and nothing of it, where neither does. */
+std::vector<PosePrecision> ofBothHands(std::span<const HandFit> hands, size_t frameCount) {
+    std::vector<PosePrecision> out(frameCount, PosePrecision{{0}, std::vector<double>(36, 0.0)});
+    for (const HandFit& hand : hands)
+        for (size_t f = 0; f < frameCount; ++f)
+            if (hand.precisions[f]) out[f] = together(out[f], *hand.precisions[f]);
+    return out;
+}
+
+}  // namespace
 
 FittedBody fittedBody(const BodyModel& body, BodyFit fit) {
     FittedBody fitted;
@@ -88,7 +102,10 @@ Status StageOf<FittedBody>::make(StageInputs& in, StageContext& context) {
     else if (!scan.unitStated)
         context.progress.note("the scan's world is taken to be in metres: the person in it is of a human size");
     for (const HandFit& hand : hands) context.progress.note(describeHand(hand));
-    if (!hands.empty()) DPL_RETURN_IF_ERROR(writeFileAtomically(context.folder / "hands.json", handsToJson(hands)));
+    if (!hands.empty()) {
+        DPL_RETURN_IF_ERROR(writePrecisions(ofBothHands(hands, scan.frames.size()), context.folder / "fingers.bin"));
+        DPL_RETURN_IF_ERROR(writeFileAtomically(context.folder / "hands.json", handsToJson(hands)));
+    }
     return writeFileAtomically(context.folder / "fit.json", fitToJson(fit));
 }
 
@@ -100,6 +117,7 @@ Result<FittedBody> StageOf<FittedBody>::read(StageInputs& in, const std::filesys
     std::error_code ignored;
     if (std::filesystem::exists(folder / "hands.json", ignored)) {
         DPL_TRY(fitted.hands, readHandsFile(folder / "hands.json"));
+        DPL_TRY(fitted.fingers, readPrecisions(folder / "fingers.bin", table->rows(), chosen->body.joints.size()));
     }
     return fitted;
 }

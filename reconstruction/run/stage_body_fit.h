@@ -28,11 +28,12 @@ struct FittedBody {
     BodyFit fit;                            // poses: of `shaped`
     PoseColumn<PoseSource::BodyFit> poses;  // those of `fit`
     std::vector<HandFit> hands;             // empty: the scan has no keypoints of hands
+    std::vector<std::shared_ptr<const PosePrecision>> fingers;  // of each frame, how well its fingers are known; empty: as above
 };
 
 template <>
 struct StageOf<FittedBody> {
-    static constexpr StageName kName{"body-fit", 15};
+    static constexpr StageName kName{"body-fit", 16};
     static constexpr const char* kPriors[] = {"input/cameras", "input/capture", "subject/body", "subject/hands"};
     static Status inputs(StageInputs& in);
     static Status make(StageInputs& in, StageContext& context);

@@ -85,7 +85,9 @@ Status StageOf<RegisteredPoses>::make(StageInputs& in, StageContext& context) {
     input.pictureWeight = scan.keypointsFound ? priors::kFoundPictureWeight : 1;
     input.searchLimbs = scan.keypointsFound;
     input.stillPose = body->fit.staticPose;
-    DPL_TRY(const Registration registration, registerFrames(input, {}, in.jobs()));
+    DPL_TRY(Registration registration, registerFrames(input, {}, in.jobs()));
+    for (size_t f = 0; f < body->fingers.size(); ++f)  // registration takes the fingers from the body fit
+        registration.precisions[f] = together(registration.precisions[f], *body->fingers[f]);
     PosesFile file;
     for (const JointData& joint : body->shaped.joints) file.jointNames.push_back(joint.name);
     for (size_t f = 0; f < scan.frames.size(); ++f) {

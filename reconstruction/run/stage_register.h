@@ -14,7 +14,7 @@ struct RegisteredPoses {
 
 template <>
 struct StageOf<RegisteredPoses> {
-    static constexpr StageName kName{"register", 8};
+    static constexpr StageName kName{"register", 9};
     static constexpr const char* kPriors[] = {"input/cameras",    "input/capture",        "subject/body",
                                               "subject/garments", "subject/registration", "subject/surface"};
     static Status inputs(StageInputs& in);

@@ -16,4 +16,7 @@ struct PosePrecision {
     size_t size() const { return 3 * joints.size() + 3; }
 };
 
+/** What two independent observations of one pose say together: the sum of their matrices, over the joints of either. Both have the root. */
+PosePrecision together(const PosePrecision& a, const PosePrecision& b);
+
 }  // namespace dpl

@@ -85,6 +85,12 @@ private:
     std::vector<size_t> seen_;
 };
 
+/** Standard deviation of a turn against the pose that it is drawn to, radians. turn: an index of HandTurns. */
+inline double spreadOfTurn(size_t turn) {
+    if (turn < kFingerTurns) return priors::kThumbTurnRad;
+    return turn % kFingerTurns == kBaseSide ? priors::kFingerSpreadRad : priors::kFingerBendRad;
+}
+
 /** Distance from `mean` in standard deviations, and from what the middle joint's tendon makes of the last one. Block: turns. */
 struct FingerPriorCost {
     static constexpr int kResiduals = int(kHandTurns + kHandFingers - 1);
@@ -92,12 +98,7 @@ struct FingerPriorCost {
 
     template <class T>
     bool operator()(const T* turns, T* residuals) const {
-        for (size_t f = 0; f < kHandFingers; ++f)
-            for (size_t t = 0; t < kFingerTurns; ++t) {
-                const size_t i = f * kFingerTurns + t;
-                const double sigma = f == 0 ? priors::kThumbTurnRad : t == kBaseSide ? priors::kFingerSpreadRad : priors::kFingerBendRad;
-                residuals[i] = (turns[i] - mean[i]) / sigma;
-            }
+        for (size_t i = 0; i < kHandTurns; ++i) residuals[i] = (turns[i] - mean[i]) / spreadOfTurn(i);
         for (size_t f = 1; f < kHandFingers; ++f)
             residuals[kHandTurns + f - 1] =
                 (turns[f * kFingerTurns + kEndBend] - priors::kEndBendShare * turns[f * kFingerTurns + kMiddleBend]) / priors::kEndBendRad;

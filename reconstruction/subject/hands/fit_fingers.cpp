@@ -13,6 +13,7 @@
 #include "reconstruction/subject/body/priors.h"
 #include "reconstruction/subject/body/swapped_sides.h"
 #include "reconstruction/subject/hands/finger_cost.h"
+#include "reconstruction/subject/hands/finger_precision.h"
 #include "reconstruction/subject/hands/hand_rig.h"
 #include "sdk/core/task.h"
 
@@ -89,6 +90,7 @@ public:
             found_.medianPx = px[px.size() / 2];
         }
         write();
+        rate();
         return found_;
     }
 
@@ -298,6 +300,18 @@ private:
             const HandTurns& turns = frames_[f].posed ? frames_[f].turns : still_;
             if (anyTurn(turns)) setFingers(rig_, turns, fit_.poses[f]);
             found_.posedFrames += frames_[f].posed;
+        }
+    }
+
+    /** Of the frames with fingers that the fit turned and that explain its points. */
+    void rate() {
+        found_.precisions.resize(frames_.size());
+        for (size_t f = 0; f < frames_.size(); ++f) {
+            const HandTurns& turns = frames_[f].posed ? frames_[f].turns : still_;
+            if (!frames_[f].seen || !(frames_[f].posed || found_.turned) || isStrange(f, turns)) continue;
+            HandTurns prior;
+            for (size_t t = 0; t < kHandTurns; ++t) prior[t] = frames_[f].posed ? spreadOfTurn(t) : priors::kSameHandRad;
+            found_.precisions[f] = jointPrecision(rig_, turns, turnPrecision(rig_, frames_[f].view, turns, frames_[f].wrist, prior));
         }
     }
 

@@ -9,9 +9,11 @@
 #pragma once
 
 #include <array>
+#include <optional>
 #include <span>
 #include <vector>
 
+#include "reconstruction/input/capture/pose_precision.h"
 #include "reconstruction/subject/body/fit_body.h"
 
 namespace dpl {
@@ -24,6 +26,7 @@ struct HandFit {
     size_t movingFrames = 0;  // that show it well enough, in all splits
     size_t posedFrames = 0;   // of these: with fingers of their own
     double medianPx = 0;      // distance of its points from the fitted fingers, in still train frames and in posed ones
+    std::vector<std::optional<PosePrecision>> precisions;  // one a frame: of turned fingers that it shows; the root's rows are 0
 };
 
 /** Turns the fingers in fit.staticPose and fit.poses. `body` is the one that was fitted; hands[f] holds the points of

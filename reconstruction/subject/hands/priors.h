@@ -34,6 +34,9 @@ inline constexpr double kWristTurnRad = 0.3;
 /** Shift of the wrist against the body fit's.
  *  unit: m | origin: round figure | half, double: not measured */
 inline constexpr double kWristShiftM = 0.02;
+/** Turn of a finger's joint against the pose that frames share, where they show one hand pose.
+ *  unit: rad | origin: round figure; people who stand still keep their fingers within a few degrees | half, double: not measured */
+inline constexpr double kSameHandRad = 0.1;
 /** Length of a hand in the picture, wrist to middle fingertip of the rest pose, below which its fingers are not looked for.
  *  unit: px | origin: round figure | half, double: not measured */
 inline constexpr double kSmallestHandPx = 24;

@@ -134,6 +134,13 @@ TEST(FitFingers, findsTheStillHandAndItsMotion) {
         EXPECT_EQ(hand.stillFrames, 12u);
         EXPECT_GE(hand.posedFrames, 8u);       // at the ends of the motion the still pose is as good
         EXPECT_NEAR(hand.medianPx, 1.2, 0.4);  // the median of a Rayleigh distribution
+        ASSERT_EQ(hand.precisions.size(), m.scan.frames.size());
+        size_t known = 0;
+        for (const auto& precision : hand.precisions) {
+            known += precision.has_value();
+            if (precision) EXPECT_EQ(precision->joints.size(), 1 + 3 * kHandFingers);
+        }
+        EXPECT_GE(known, 20u);
     }
     expectLimits(m.fit.poses);
 }
@@ -197,8 +204,10 @@ TEST(FitFingers, strangeHandsLeaveTheFingersAlone) {
             }
         if (kind == 2)
             for (ScanFrame& frame : m.scan.frames) frame.camera = frame.camera.scaled(0.4);
-        ASSERT_TRUE(fitFingers(knownBody(), m.scan, m.hands, m.fit));
+        const std::vector<HandFit> hands = must(fitFingers(knownBody(), m.scan, m.hands, m.fit));
         EXPECT_EQ(tipsMm(before, m.fit.poses).first, 0) << "kind " << kind;
+        for (const HandFit& hand : hands)
+            for (const auto& precision : hand.precisions) EXPECT_FALSE(precision) << "kind " << kind;
         expectLimits(m.fit.poses);
     }
 }
@@ -210,6 +219,8 @@ TEST(FitFingers, aHiddenHandKeepsTheStillPose) {
             for (size_t k = 0; k < kHandPoints; ++k) m.hands[f][k].confidence = 0;
     const std::vector<HandFit> hands = must(fitFingers(knownBody(), m.scan, m.hands, m.fit));
     for (size_t f = 0; f < m.hands.size(); ++f) EXPECT_TRUE(hasStillFingers(m, f, /*left=*/true));
+    for (size_t f = 0; f < m.hands.size(); ++f)
+        if (m.scan.frames[f].kind == FrameKind::Dynamic) EXPECT_FALSE(hands[0].precisions[f]) << f;
     EXPECT_EQ(hands[0].posedFrames, 0u);
     EXPECT_GE(hands[1].posedFrames, 8u);
 }
