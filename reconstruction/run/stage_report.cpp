@@ -2,6 +2,7 @@
 #include "reconstruction/run/stage_report.h"
 
 #include <algorithm>
+#include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "reconstruction/judging/ladder/ladder.h"
@@ -31,6 +32,7 @@
 #include "reconstruction/training/correctives/corrective_strain.h"
 #include "sdk/avatar/posed_mesh.h"
 #include "sdk/core/files.h"
+#include "sdk/core/percentile.h"
 #include "sdk/format/avatar_file.h"
 
 namespace dpl {
@@ -109,6 +111,23 @@ void addRegistration(const Scan& scan, const FittedBody& body, const PosesFile& 
         addTruth(*afterPoseFit, "pose_fit", "after training and pose fit", data);
         addFingers(afterPoseFit->fingers, "pose_fit", "after training and pose fit", data);
     }
+}
+
+/** Adds how far training put the roots of still frames from the pose that they share: sway, and what cameras err. Cameras and focal lengths
+ * are not refined by themselves, since a root's turn and shift and the person's size take up their errors (docs/reference/cameras.md). */
+void addCameraErrors(const FittedBody& body, const PosesFile& poses, ReportData& data) {
+    std::vector<double> shiftMm, turnDegrees;
+    for (const FramePose& frame : poses.frames) {
+        if (frame.kind != FrameKind::StaticFull || frame.split != Split::Train) continue;
+        const Pose &still = body.fit.staticPose, &own = frame.pose;
+        const double cosine = std::abs(double(glm::dot(still.localRotations[0], own.localRotations[0])));
+        shiftMm.push_back(1000 * double(glm::length(own.rootTranslation - still.rootTranslation)));
+        turnDegrees.push_back(glm::degrees(2 * std::acos(std::min(1.0, cosine))));
+    }
+    if (shiftMm.empty()) return;
+    const std::string group = "cameras are not refined: what roots of still frames took up, sway and camera errors";
+    data.figures.push_back({"cameras.root_shift", group, "shift from the shared pose, median", "mm", percentile(shiftMm, 0.5), {}});
+    data.figures.push_back({"cameras.root_turn", group, "turn from the shared pose, median", "degrees", percentile(turnDegrees, 0.5), {}});
 }
 
 /** Adds the gain of pose fit and of splats, the two steps that the report measures both with and without. */
@@ -304,6 +323,7 @@ Status StageOf<ReportFiles>::make(StageInputs& in, StageContext& context) {
     data.lossCurves = {loss};
     data.psnrCurves = {psnr};
     addRegistration(table->scan, *body, found, data);
+    addCameraErrors(*body, found, data);
     const StepProfile& profile = training->result.profile;
     const auto add = [&data](const char* key, const std::string& group, const char* name, const char* unit, double value) {
         data.figures.push_back({key, group, name, unit, value, {}});

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
 
+#include <map>
 #include <set>
 
 #include "reconstruction/judging/report/score.h"
@@ -8,6 +9,7 @@
 #include "reconstruction/run/stage_pose_fit.h"
 #include "reconstruction/run/stage_report.h"
 #include "reconstruction/subject/body/body_truth.h"
+#include "sdk/core/percentile.h"
 #include "tests/unit/recon_page/module_folder.h"
 #include "tests/unit/recon_run/toy_reconstruction.h"
 
@@ -20,6 +22,7 @@ protected:
         toy_.takePictures(toy_.avatar);
         toy_.avatar.evidence = {{"garment layer: top", true, 0, 0, "12 triangles"}, {"garment layer: hair", false, 0, 0, "not seen"}};
         toy_.package.bytes = bytesOf(toy_.avatar);
+        toy_.body.fit.staticPose = toy_.truth[0];
         for (size_t f = 0; f < ToyReconstruction::kFrames; ++f) {
             const ScanFrame& frame = toy_.table.scan.frames[f];
             FramePose pose{frame.name, frame.kind, frame.split, toy_.truth[f], std::nullopt};
@@ -114,6 +117,25 @@ TEST_F(StageReport, everyFigureHasAKeyOfItsOwn) {
     for (const char* key : {"above_floor.static", "file.bytes", "training_step.ms", "dynamic.pose_fit", "residual.static.test.p95",
                             "scale.static.at_1.drawn_2.all"})
         EXPECT_EQ(keys.count(key), 1u) << key;
+}
+
+TEST_F(StageReport, saysWhatTheRootsOfStillFramesTookUp) {
+    // Each still training frame is 2 cm off the shared pose (the fixture) and turned by its own angle.
+    double degrees = 0;
+    for (FramePose& frame : found_.poses.frames)
+        frame.pose.rootTranslation = toy_.truth[0].rootTranslation + Vec3f(0.02f, 0, 0),
+        frame.pose.localRotations[0] =
+            Quatf(glm::angleAxis(glm::radians(degrees += 0.5), Vec3d(0, 0, 1))) * toy_.truth[0].localRotations[0];
+    const nlohmann::json json = report();
+    std::map<std::string, double> found;
+    for (const auto& figure : json["figures"]) found[figure["key"]] = figure["value"];
+    EXPECT_NEAR(found.at("cameras.root_shift"), 20, 0.01);
+    std::vector<double> turns;
+    for (size_t f = 0; f < found_.poses.frames.size(); ++f)
+        if (found_.poses.frames[f].kind == FrameKind::StaticFull && found_.poses.frames[f].split == Split::Train)
+            turns.push_back(0.5 * double(f + 1));
+    ASSERT_GT(turns.size(), 2u);
+    EXPECT_NEAR(found.at("cameras.root_turn"), percentile(turns, 0.5), 0.01);
 }
 
 TEST_F(StageReport, endsWithWordsForWhoFilmed) {
