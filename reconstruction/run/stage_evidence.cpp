@@ -74,13 +74,36 @@ Result<Jury> chooseJury(StageInputs& in, const AssembledAvatar& assembled) {
     return jury;
 }
 
+uint32_t stepsOfTrainingOn(const RunSettings& settings) {
+    return uint32_t(std::max(20.0, priors::kRetrainShare * settings.training.steps));
+}
+
+/** How the stage's work divides, for its progress. Units: steps of training. */
+struct Work {
+    Work(const Jury& jury, const RunSettings& settings, size_t avatarCount) : avatars(avatarCount), steps(stepsOfTrainingOn(settings)) {
+        constexpr double kRound = 0.6;  // of a pose fit, measured on scan-a
+        if (jury.registered) posing = kRound * double(jury.frames.size()) * settings.poseFit.iterations;
+    }
+    double avatar() const { return steps + PoseFitter::kSecondFit * posing; }
+    double firstShare() const { return posing / (posing + double(avatars) * avatar()); }
+    double avatarShare() const { return (1 - firstShare()) / double(avatars); }
+    /** Of an avatar's work, before it is drawn. */
+    double trainingShare() const { return kBeforeDrawing * steps / avatar(); }
+
+    static constexpr double kBeforeDrawing = 0.95;
+    size_t avatars;
+    double steps, posing = 0;
+};
+
 /** Trains avatars on and scores them on the jury's frames. A stopped stage keeps the scores that it has, and a checkpoint of the avatar
  * that it was at, in context.folder. */
 class Judge {
 public:
-    Judge(const AssembledAvatar& assembled, const Jury& jury, const RunSettings& settings, Jobs& jobs, StageContext& context)
+    Judge(const AssembledAvatar& assembled, const Jury& jury, const Work& work, const RunSettings& settings, Jobs& jobs,
+          StageContext& context)
         : assembled_(assembled),
           jury_(jury),
+          work_(work),
           settings_(settings),
           jobs_(jobs),
           context_(context),
@@ -101,7 +124,7 @@ public:
         if (const auto known = scores_.find(name)) return *known;
         const std::filesystem::path checkpoint = context_.folder / ("without-" + name + ".checkpoint");
         {
-            const TaskPart part(0, 0.8);
+            const TaskPart part(0, work_.trainingShare());
             DPL_TRY(avatar, trainedOn(std::move(avatar), parts, assembled_, settings_, jobs_, checkpoint, context_.progress));
         }
         DPL_TRY(const JuryScore score, scoreOf(avatar));
@@ -117,10 +140,10 @@ private:
         DPL_TRY(const AvatarData decoded, readAvatar(bytes));
         std::vector<std::optional<PoseFitResult>> fits(jury_.frames.size());
         if (jury_.registered) {
-            const TaskPart fitting(0.8, 0.95);
+            const TaskPart fitting(work_.trainingShare(), Work::kBeforeDrawing);
             DPL_TRY(fits, PoseFitter(decoded, jobs_).fitAll(jury_.frames, settings_.poseFit, jobs_, poses_));
         }
-        const TaskPart scoring(0.95, 1);
+        const TaskPart scoring(Work::kBeforeDrawing, 1);
         DPL_TRY(auto view, AvatarView::open(bytes, jobs_.threadCount()));
         JuryScore sum;
         Mean psnrDb, detail, closeDetail;
@@ -142,6 +165,7 @@ private:
 
     const AssembledAvatar& assembled_;
     const Jury& jury_;
+    const Work work_;
     const RunSettings& settings_;
     Jobs& jobs_;
     StageContext& context_;
@@ -167,29 +191,32 @@ const char* whyNotTrained(AvatarPart part, const RunSettings& settings) {
 }
 
 Status weigh(const AssembledAvatar& assembled, const Jury& jury, const RunSettings& settings, Jobs& jobs, StageContext& context) {
-    constexpr double kFirst = 1.0 / 10, kShare = (1 - kFirst) / 6;  // of the work: the poses; the whole avatar, and one without each part
-    Judge judge(assembled, jury, settings, jobs, context);
-    {
-        const TaskPart part(0, kFirst);
-        DPL_RETURN_IF_ERROR(judge.fitPoses());
-    }
     const AvatarData& avatar = assembled.avatar;
-    const RetrainParts trained{.correctiveLight = settings.training.rateNodeLight > 0};
-    const auto score = [&](const char* without, AvatarData judged, const RetrainParts& parts, double from) {
-        const TaskPart part(from, from + kShare);
-        return judge.score(without, std::move(judged), parts);
-    };
-    DPL_TRY(const JuryScore whole, score("nothing", avatar, trained, kFirst));
-    DPL_TRY(const auto wholeFile, writeAvatar(avatar, kPackaged));
     const std::pair<AvatarPart, std::string> kParts[] = {
         {AvatarPart::CorrectiveOffsets, "pose-dependent offsets"},
         {AvatarPart::CorrectiveLight, "pose-dependent light"},
         {AvatarPart::MotionModes, "motion modes: clothes that have moved"},
         {AvatarPart::SceneLight, "light that stays while the subject turns"},
         {AvatarPart::ViewDependentColour, "view-dependent colour (SH degree " + std::to_string(avatar.splats.shDegree) + ")"}};
+    const auto isThere = [&](const auto& part) { return hasPart(avatar, part.first); };
+    const Work work(jury, settings, 1 + size_t(std::count_if(std::begin(kParts), std::end(kParts), isThere)));
+    Judge judge(assembled, jury, work, settings, jobs, context);
+    double done = work.firstShare();
+    {
+        const TaskPart part(0, done);
+        DPL_RETURN_IF_ERROR(judge.fitPoses());
+    }
+    const RetrainParts trained{.correctiveLight = settings.training.rateNodeLight > 0};
+    const auto score = [&](const char* without, AvatarData judged, const RetrainParts& parts) {
+        const double from = done;
+        done = std::min(1.0, done + work.avatarShare());
+        const TaskPart part(from, done);
+        return judge.score(without, std::move(judged), parts);
+    };
+    DPL_TRY(const JuryScore whole, score("nothing", avatar, trained));
+    DPL_TRY(const auto wholeFile, writeAvatar(avatar, kPackaged));
     std::vector<PartEvidence> rows;
     for (const auto& [part, name] : kParts) {
-        const double from = kFirst + kShare * double(rows.size() + 1);
         if (!hasPart(avatar, part)) {
             rows.push_back({part, {name, false, 0, 0, whyNotTrained(part, settings)}});
             continue;
@@ -200,7 +227,7 @@ Status weigh(const AssembledAvatar& assembled, const Jury& jury, const RunSettin
         RetrainParts parts = trained;
         if (part == AvatarPart::CorrectiveOffsets) parts.correctiveOffsets = false;
         if (part == AvatarPart::CorrectiveLight) parts.correctiveLight = false;
-        DPL_TRY(const JuryScore rest, score(nameOf(part), std::move(without), parts, from));
+        DPL_TRY(const JuryScore rest, score(nameOf(part), std::move(without), parts));
         const uint64_t bytes = wholeFile.size() - std::min(wholeFile.size(), file.size());
         const double gain = whole.maskedPsnrDb - rest.maskedPsnrDb,
                      price = priors::kWorthItDb + priors::kWorthAMegabyteDb * double(bytes) / 1e6;
@@ -232,8 +259,7 @@ nlohmann::json juryInputs(const FrameTable& table) {
 
 Result<AvatarData> trainedOn(AvatarData avatar, const RetrainParts& parts, const AssembledAvatar& assembled, const RunSettings& settings,
                              Jobs& jobs, const std::filesystem::path& checkpoint, Progress& progress) {
-    const auto steps = uint32_t(std::max(20.0, priors::kRetrainShare * settings.training.steps));
-    const CoOptimiseSettings training = retrainSettings(settings.training, parts, steps, avatar.splats.shDegree);
+    const CoOptimiseSettings training = retrainSettings(settings.training, parts, stepsOfTrainingOn(settings), avatar.splats.shDegree);
     return retrain(std::move(avatar), assembled.triangleLabel, assembled.frames, training, jobs,
                    [&](CoOptimiser& trainer) { return trainFromCheckpoint(trainer, checkpoint, settings.checkpointS, progress); });
 }

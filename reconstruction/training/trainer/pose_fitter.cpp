@@ -10,12 +10,6 @@
 #include "sdk/core/task.h"
 
 namespace dpl {
-namespace {
-
-constexpr double kSecondFit = 0.25;  // share of the rounds that a fit from a fitted pose runs, the last ones
-
-}  // namespace
-
 PoseFitter::PoseFitter(const AvatarData& avatar, Jobs& jobs)
     : avatar_(avatar), bind_(restTriangles(avatar.mesh)), incidence_(avatar.mesh.triangles, avatar.mesh.restPositions.size()) {
     const std::vector<float> floors(avatar.mesh.triangles.size(), 0.0f);

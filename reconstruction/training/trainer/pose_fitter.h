@@ -10,6 +10,8 @@ namespace dpl {
 
 class PoseFitter {
 public:
+    static constexpr double kSecondFit = 0.25;  // share of the rounds that a fit from a fitted pose runs, the last ones
+
     /** Keeps a reference to `avatar`. */
     PoseFitter(const AvatarData& avatar, Jobs& jobs);
 
