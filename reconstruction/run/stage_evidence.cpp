@@ -81,7 +81,7 @@ uint32_t stepsOfTrainingOn(const RunSettings& settings) {
 /** How the stage's work divides, for its progress. Units: steps of training. */
 struct Work {
     Work(const Jury& jury, const RunSettings& settings, size_t avatarCount) : avatars(avatarCount), steps(stepsOfTrainingOn(settings)) {
-        constexpr double kRound = 0.6;  // of a pose fit, measured on scan-a
+        constexpr double kRound = 0.6;  // of a pose fit; it only moves the bar
         if (jury.registered) posing = kRound * double(jury.frames.size()) * settings.poseFit.iterations;
     }
     double avatar() const { return steps + PoseFitter::kSecondFit * posing; }
