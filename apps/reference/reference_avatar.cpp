@@ -5,6 +5,7 @@
 #include <cmath>
 #include <map>
 
+#include "apps/reference/reference_maths.h"
 #include "apps/reference/reference_renderer.h"
 
 namespace dpl {
@@ -24,11 +25,6 @@ double drawnStretch(double s) {
     return s;
 }
 
-double smoothstep(double from, double to, double x) {
-    const double t = std::clamp((x - from) / (to - from), 0.0, 1.0);
-    return t * t * (3 - 2 * t);
-}
-
 /** Bounds the singular values of [f0 f1], whose right singular vectors are the eigenvectors of its Gram matrix. Returns the opacity factor
  *  of the triangle's splats. */
 double boundStretch(glm::dvec3& f0, glm::dvec3& f1) {
@@ -40,7 +36,7 @@ double boundStretch(glm::dvec3& f0, glm::dvec3& f1) {
     const glm::dvec3 drawnWide = drawnStretch(largest) / largest * wide, drawnNarrow = drawnStretch(smallest) / smallest * narrow;
     f0 = right[0].x * drawnWide + right[1].x * drawnNarrow, f1 = right[0].y * drawnWide + right[1].y * drawnNarrow;
     double shown = 1;
-    for (const double s : {largest, smallest}) shown *= smoothstep(kIsGone, kFades, s) * smoothstep(0, kFadesBelow, s);
+    for (const double s : {largest, smallest}) shown *= referenceSmoothstep(kIsGone, kFades, s) * referenceSmoothstep(0, kFadesBelow, s);
     return shown;
 }
 
@@ -57,20 +53,12 @@ glm::dmat3 polarRotation(const glm::dmat3& j) {
     return q;
 }
 
-glm::dmat3 rotationOf(const Quatf& rotation) {
-    const double x = rotation.x, y = rotation.y, z = rotation.z, w = rotation.w;
-    const double s = 2 / (x * x + y * y + z * z + w * w);
-    return glm::dmat3(1 - s * (y * y + z * z), s * (x * y + w * z), s * (x * z - w * y),   // column 0
-                      s * (x * y - w * z), 1 - s * (x * x + z * z), s * (y * z + w * x),   // column 1
-                      s * (x * z + w * y), s * (y * z - w * x), 1 - s * (x * x + y * y));  // column 2
-}
-
 }  // namespace
 
 std::vector<glm::dmat4> referenceJointTransforms(const std::vector<JointData>& joints, const Pose& pose) {
     std::vector<glm::dmat4> world(joints.size());
     for (size_t j = 0; j < joints.size(); ++j) {
-        const glm::dmat3 r = rotationOf(pose.localRotations[j]);
+        const glm::dmat3 r = referenceRotation(pose.localRotations[j]);
         const glm::dvec3 p(joints[j].restPosition);
         glm::dmat4 local(r);
         local[3] = glm::dvec4(p - r * p, 1);
@@ -84,50 +72,10 @@ std::vector<glm::dmat4> referenceJointTransforms(const std::vector<JointData>& j
     return world;
 }
 
-/** The coefficients of the motion modes in a pose, with what is held of earlier ones. The angle between two rotations is that of R·Sᵀ, by
- *  its trace and its antisymmetric part. */
-std::vector<double> referenceMotion(const MotionModeData& m, const Pose& pose) {
-    std::vector<double> inputs(1 + m.joints.size(), 0.0), k;
-    double distance = 0;
-    for (size_t j = 0; j < m.joints.size(); ++j) {
-        const Quatf still(m.still[j].w, m.still[j].x, m.still[j].y, m.still[j].z);
-        const glm::dmat3 turn = rotationOf(pose.localRotations[m.joints[j]]) * glm::transpose(rotationOf(still));
-        const glm::dvec3 twice(turn[1][2] - turn[2][1], turn[2][0] - turn[0][2], turn[0][1] - turn[1][0]);  // 2 sin(angle) times the axis
-        const double angle = std::atan2(glm::length(twice), turn[0][0] + turn[1][1] + turn[2][2] - 1);
-        distance += angle * angle;
-        inputs[1 + j] = std::min(std::max(angle - double(m.rangeRad[j].x), 0.0), double(m.rangeRad[j].y));
-    }
-    inputs[0] = smoothstep(double(m.movedFromRad), double(m.movedToRad), std::sqrt(distance));
-    std::vector<double> features;
-    for (size_t h = 0; h < m.holdsS.size(); ++h)
-        for (const double input : inputs) features.push_back(std::max(pose.before.held[features.size()], input));
-    for (size_t l = 0, i = 0; l < m.lagsS.size(); ++l)  // y − u with y = lagged + (1 − earlier)·u
-        for (const uint32_t joint : m.joints) {
-            const glm::dmat3 turned = rotationOf(pose.localRotations[joint]) - glm::dmat3(1);
-            for (int column = 0; column < 2; ++column)
-                for (int row = 0; row < 3; ++row, ++i)
-                    features.push_back(pose.before.lagged[i] - pose.before.earlier[l] * turned[column][row]);
-        }
-    for (const MotionGroupData& group : m.groups) {
-        double squares = 0;
-        for (uint32_t c = 0; c < group.columnCount; ++c) {
-            const size_t row = k.size() * features.size();
-            double sum = 0;
-            for (size_t i = 0; i < features.size(); ++i) sum += double(m.modes[row + i]) * features[i];
-            squares += sum * sum;
-            k.push_back(sum);
-        }
-        if (squares > 0)
-            for (size_t c = k.size() - group.columnCount; c < k.size(); ++c)
-                k[c] *= std::min(1.0, double(group.reach) / std::sqrt(squares));
-    }
-    return k;
-}
-
 ReferenceCoefficients referenceCoefficients(const PoseCorrectiveData& c, const Pose& pose) {
     std::vector<double> heard;
     for (const uint32_t joint : c.joints) {
-        const glm::dmat3 turned = rotationOf(pose.localRotations[joint]) - glm::dmat3(1);
+        const glm::dmat3 turned = referenceRotation(pose.localRotations[joint]) - glm::dmat3(1);
         for (int column = 0; column < 2; ++column)
             for (int row = 0; row < 3; ++row) heard.push_back(turned[column][row] - double(c.mean[heard.size()]));
     }
@@ -286,7 +234,7 @@ ReferenceGaussian referenceGaussian(const ReferenceScene& scene, const Reference
 
 ReferenceGaussian referenceGaussian(const StaticSplatData& splats, uint32_t index) {
     ReferenceGaussian g;
-    const glm::dmat3 r = rotationOf(splats.rotation[index]);
+    const glm::dmat3 r = referenceRotation(splats.rotation[index]);
     for (int k = 0; k < 3; ++k) g.axes[k] = r[k] * double(splats.scaleM[index][k]);
     g.centre = glm::dvec3(splats.position[index]);
     g.opacity = splats.opacity[index];

@@ -37,6 +37,13 @@ PictureError compare(const ReferencePicture& reference, std::span<const T> rgba)
     return e;
 }
 
+Pose poseOf(std::span<const float> rotations) {
+    Pose pose;
+    for (size_t j = 0; j + 4 <= rotations.size(); j += 4)
+        pose.localRotations.emplace_back(rotations[j + 3], rotations[j], rotations[j + 1], rotations[j + 2]);
+    return pose;
+}
+
 }  // namespace
 
 Result<ReferenceFile> ReferenceFile::read(std::span<const uint8_t> bytes) {
@@ -52,11 +59,15 @@ Result<ReferenceFile> ReferenceFile::read(std::span<const uint8_t> bytes) {
     return file;
 }
 
-ReferencePicture ReferenceFile::draw(std::span<const float> rotations, const Vec3f& rootTranslation, const Cameraf& camera) const {
-    Pose pose;
-    for (size_t j = 0; j + 4 <= rotations.size(); j += 4)
-        pose.localRotations.emplace_back(rotations[j + 3], rotations[j], rotations[j + 1], rotations[j + 2]);
+ReferencePicture ReferenceFile::draw(std::span<const float> rotations, const Vec3f& rootTranslation, const Cameraf& camera,
+                                     std::span<const EarlierRotations> earlier) const {
+    Pose pose = poseOf(rotations);
     pose.rootTranslation = rootTranslation;
+    if (avatar_ && !earlier.empty()) {
+        std::vector<ReferenceEarlierPose> poses;
+        for (const EarlierRotations& e : earlier) poses.push_back({poseOf(e.rotations), e.secondsToNext});
+        pose.before = referenceMemory(avatar_->correctives.motion, poses);
+    }
     ReferenceImage image =
         avatar_ ? renderReference(*avatar_, pose, referenceCamera(camera)) : renderReference(*splats_, referenceCamera(camera));
     return {image.widthPx, image.heightPx, std::move(image.rgb), std::move(image.alpha)};

@@ -24,14 +24,20 @@ struct ReferencePicture {
     std::vector<double> rgb, alpha;
 };
 
+struct EarlierRotations {
+    std::vector<float> rotations;  // as those of ReferenceFile::draw
+    double secondsToNext = 0;      // at most 5: after longer gaps the SDK fades what was remembered
+};
+
 class ReferenceFile {
 public:
     /** The bytes may be freed afterwards. Errors: those of readAvatar and readSplats. */
     static Result<ReferenceFile> read(std::span<const uint8_t> bytes);
 
     /** rotations: one xyzw quaternion per joint, as dplGetPose returns them. Their number is not checked; general splats ignore them. Slow:
-     *  50,000 splats take about a second per megapixel. */
-    ReferencePicture draw(std::span<const float> rotations, const Vec3f& rootTranslation, const Cameraf& camera) const;
+     *  50,000 splats take about a second per megapixel. earlier: poses that were drawn before, oldest first, as by dplSetPoseAtTime. */
+    ReferencePicture draw(std::span<const float> rotations, const Vec3f& rootTranslation, const Cameraf& camera,
+                          std::span<const EarlierRotations> earlier = {}) const;
 
     bool hasPoseCorrectives() const;
     bool hasLight() const;

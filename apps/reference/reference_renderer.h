@@ -11,6 +11,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "sdk/avatar/rig.h"
@@ -113,6 +114,17 @@ struct ReferenceCoefficients {
 /** Coefficients k of a pose. The features are the first two columns of R − I of each joint in correctives.joints, minus the mean. They are
  *  projected on the modes; then k is shortened to length `reach` and faded when the rest of the features is longer than `reachOffModes`. */
 ReferenceCoefficients referenceCoefficients(const PoseCorrectiveData& correctives, const Pose& pose);
+
+/** A pose that was drawn before another one. */
+struct ReferenceEarlierPose {
+    Pose pose;  // without memory
+    double secondsToNext = 0;
+};
+/** What is left of earlier poses, oldest first, when the pose after the last of them comes. The first had been kept for ever. */
+MotionMemory referenceMemory(const MotionModeData& motion, std::span<const ReferenceEarlierPose> earlier);
+/** The K' coefficients of the motion modes in a pose, with what is left of earlier ones in Pose::before. */
+std::vector<double> referenceMotion(const MotionModeData& motion, const Pose& pose);
+
 /** Offset of the rest surface (metres) and brightness of each vertex, L in [0.2, 3]; zeros and ones without correctives. */
 struct ReferenceCorrection {
     std::vector<glm::dvec3> offset;

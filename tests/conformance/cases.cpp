@@ -2,10 +2,11 @@
 #include "tests/conformance/cases.h"
 
 #include <cmath>
+#include <random>
 
 #include "sdk/format/avatar_file.h"
 #include "tests/reference/random_avatar.h"
-#include "tests/unit/format/sample_correctives.h"
+#include "tests/unit/avatar/clothed_legs.h"
 
 namespace dpl {
 namespace {
@@ -98,6 +99,26 @@ AvatarData sheets(int layers, int side, float apartM) {
     return triangles(corners, splats);
 }
 
+/** Legs in a skirt with motion modes; a random splat or two on each triangle. */
+AvatarData skirt() {
+    AvatarData a = test::clothedLegs();
+    std::mt19937 random(17);
+    std::uniform_real_distribution<float> uniform(0, 1);
+    a.mesh.colours.assign(a.mesh.restPositions.size(), {128, 128, 128, 255});
+    a.splats.triangleStart.push_back(0);
+    for (size_t t = 0; t < a.mesh.triangles.size(); ++t) {
+        const float u = uniform(random), v = uniform(random);
+        a.splats.uv.push_back(u + v > 1 ? Vec2f(1 - u, 1 - v) : Vec2f(u, v));
+        a.splats.phi.push_back(6 * uniform(random));
+        a.splats.scaleM.push_back(Vec2f(0.01f + 0.01f * uniform(random), 0.01f));
+        a.splats.opacity.push_back(0.3f + 0.7f * uniform(random));
+        a.splats.flags.push_back(0);
+        for (int c = 0; c < 3; ++c) a.splats.sh.push_back(2 * uniform(random) - 1);
+        a.splats.triangleStart.push_back(a.splats.count());
+    }
+    return a;
+}
+
 }  // namespace
 
 std::vector<ConformanceCase> conformanceCases() {
@@ -182,6 +203,14 @@ std::vector<ConformanceCase> conformanceCases() {
     const Cameraf away = lookAt({0.2f, 1.1f, 4}, {0, 1, 0}, 90, 70, 130);
     add("coarser-than-trained", "pixels eight times coarser than in training, in a canted pair: four samples per pixel", std::move(fine),
         randomPose(randomAvatar(91, 12, 10, 1), 4), {eye(away, -0.0315f, 0.0873f), eye(away, 0.0315f, -0.0873f)});
+    const Cameraf beside = lookAt({1.1f, 0.9f, 1.4f}, {0, 0.7f, 0}, 120, 150, 130);
+    add("clothes-in-a-pose", "motion modes of a pose that knows no time: clothes as if it had been kept for ever", skirt(),
+        test::stride(0.7f, -0.4f), {beside});
+    ConformanceCase& remembered =
+        add("clothes-that-remember", "the same pose after three others: what was held has leaked, and the clothes lag behind the legs",
+            skirt(), test::stride(0.7f, -0.4f), {beside});
+    remembered.earlier = {{test::stride(0, 0), 0}, {test::stride(-0.9f, 1.2f), 350'000'000}, {test::stride(0.2f, 0.1f), 600'000'000}};
+    remembered.timeNs = 700'000'000;
     return cases;
 }
 

@@ -18,6 +18,11 @@ struct ToleranceBand {
     double maxLevels = 48;      // upper limit of one channel's error, 8-bit levels; allows one swap of neighbours in depth order
 };
 
+struct EarlierPose {
+    Pose pose;
+    int64_t timeNs = 0;
+};
+
 struct ConformanceCase {
     std::string name;   // also the name of its files
     std::string about;  // what the case tests
@@ -26,6 +31,8 @@ struct ConformanceCase {
     std::vector<Cameraf> views;  // one, or the two eyes
     bool mayBeBlank = false;     // the reference picture is empty
     ToleranceBand band;
+    std::vector<EarlierPose> earlier;  // poses that are drawn before, oldest first; none: `pose` has no time
+    int64_t timeNs = 0;                // of `pose`
 };
 
 /** All cases. Deterministic. */

@@ -109,6 +109,14 @@ TEST_F(Conformance, swappedEyesAreNoticed) {
     EXPECT_FALSE(scoreOf("swapped", "stereo-parallel").passed);
 }
 
+TEST_F(Conformance, clothesThatForgetAreNoticed) {
+    copyPictures("forgotten");
+    fs::copy(root_ / "forgotten/clothes-in-a-pose.png", root_ / "forgotten/clothes-that-remember.png",
+             fs::copy_options::overwrite_existing);
+    EXPECT_TRUE(scoreOf("forgotten", "clothes-in-a-pose").passed);
+    EXPECT_FALSE(scoreOf("forgotten", "clothes-that-remember").passed);
+}
+
 TEST_F(Conformance, missingDamagedAndMisshapenPicturesFailTheirCase) {
     copyPictures("broken");
     fs::remove(root_ / "broken/off-axis.png");

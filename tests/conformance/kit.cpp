@@ -83,6 +83,15 @@ std::vector<float> rotationsOf(const Pose& pose) {
     return out;
 }
 
+std::vector<EarlierRotations> earlierOf(const ConformanceCase& c) {
+    std::vector<EarlierRotations> out;
+    for (size_t i = 0; i < c.earlier.size(); ++i) {
+        const int64_t next = i + 1 < c.earlier.size() ? c.earlier[i + 1].timeNs : c.timeNs;
+        out.push_back({rotationsOf(c.earlier[i].pose), double(next - c.earlier[i].timeNs) * 1e-9});
+    }
+    return out;
+}
+
 /** Reference, picture and amplified difference side by side, over mid grey and enlarged. A picture of another size is shown black. */
 cv::Mat sheetRow(const cv::Mat& reference, const cv::Mat& picture) {
     cv::Mat row(reference.rows * kSheetScale, reference.cols * kSheetScale * 3 + 2 * kSheetGapPx, CV_8UC3, cv::Scalar::all(255));
@@ -122,7 +131,9 @@ Status writeKit(const fs::path& folder) {
          "background, top row first."},
         {"conventions",
          "Cameras: X_view = R X_world + t, rows [R0 R1 R2 t]; x right, y down, z forward; pixel (0,0) has its centre at (0.5, 0.5). "
-         "Rotations: local, x y z w, identity is the rest pose; docs/formats/avatar.md has the rest."},
+         "Rotations: local, x y z w, identity is the rest pose; docs/formats/avatar.md has the rest. `earlier`: poses that are drawn "
+         "first, at "
+         "their times, for clothes remember them; the first had been kept for ever. A case without has a pose that knows no time."},
         {"cases", nlohmann::ordered_json::array()}};
     for (const ConformanceCase& c : conformanceCases()) {
         DPL_TRY(const auto bytes, writeAvatar(c.avatar));
@@ -132,22 +143,25 @@ Status writeKit(const fs::path& folder) {
         nlohmann::ordered_json views = nlohmann::ordered_json::array();
         for (size_t v = 0; v < c.views.size(); ++v) {
             const std::string picture = c.name + (c.views.size() == 1 ? "" : v == 0 ? ".left" : ".right") + ".png";
-            const ReferencePicture reference = file.draw(rotations, c.pose.rootTranslation, c.views[v]);
+            const ReferencePicture reference = file.draw(rotations, c.pose.rootTranslation, c.views[v], earlierOf(c));
             DPL_RETURN_IF_ERROR(writePng(folder / "reference" / picture, pictureOf(reference)));
             nlohmann::ordered_json view = {{"picture", picture}};
             view.update(cameraJson(c.views[v]));
             views.push_back(std::move(view));
         }
         const Vec3f& root = c.pose.rootTranslation;
-        json["cases"].push_back(
-            {{"name", c.name},
-             {"about", c.about},
-             {"avatar", c.name + ".glb"},
-             {"rotations", rotations},
-             {"root_translation", {root.x, root.y, root.z}},
-             {"views", std::move(views)},
-             {"may_be_blank", c.mayBeBlank},
-             {"band", {{"psnr_db", c.band.psnrDb}, {"covered_psnr_db", c.band.coveredPsnrDb}, {"max_levels", c.band.maxLevels}}}});
+        nlohmann::ordered_json written = {
+            {"name", c.name},
+            {"about", c.about},
+            {"avatar", c.name + ".glb"},
+            {"rotations", rotations},
+            {"root_translation", {root.x, root.y, root.z}},
+            {"views", std::move(views)},
+            {"may_be_blank", c.mayBeBlank},
+            {"band", {{"psnr_db", c.band.psnrDb}, {"covered_psnr_db", c.band.coveredPsnrDb}, {"max_levels", c.band.maxLevels}}}};
+        for (const EarlierPose& e : c.earlier) written["earlier"].push_back({{"rotations", rotationsOf(e.pose)}, {"time_ns", e.timeNs}});
+        if (!c.earlier.empty()) written["time_ns"] = c.timeNs;
+        json["cases"].push_back(std::move(written));
     }
     return writeFileAtomically(folder / "kit.json", json.dump(1) + "\n");
 }

@@ -45,6 +45,8 @@ Result<std::vector<KitCase>> readKit(const fs::path& folder) {
             KitCase k{c.at("name"), c.at("about"), c.at("avatar"), c.at("rotations"), Vec3f(0), {}, c.at("may_be_blank"), {}};
             for (int a = 0; a < 3; ++a) k.rootTranslation[a] = c.at("root_translation").at(size_t(a));
             for (const auto& v : c.at("views")) k.views.push_back({v.at("picture"), cameraFrom(v)});
+            for (const auto& e : c.value("earlier", nlohmann::json::array())) k.earlier.push_back({e.at("rotations"), e.at("time_ns")});
+            if (!k.earlier.empty()) k.timeNs = c.at("time_ns");
             k.band = {c.at("band").at("psnr_db"), c.at("band").at("covered_psnr_db"), c.at("band").at("max_levels")};
             cases.push_back(std::move(k));
         }
@@ -69,7 +71,6 @@ Result<std::string> drawKit(const fs::path& kit, const fs::path& pictures, doppe
         DPL_TRY(const auto bytes, readFile(kit / c.avatarFile, kMaxAvatarBytes));
         auto avatar = context.loadAvatar(bytes);
         if (!avatar) return sdk(avatar.error());
-        if (auto set = avatar->setPose(c.rotations, {&c.rootTranslation.x, 3}); !set) return sdk(set.error());
         std::vector<DplCamera> cameras;
         std::vector<DplImage> images;
         std::vector<std::vector<uint8_t>> pixels;
@@ -84,6 +85,13 @@ Result<std::string> drawKit(const fs::path& kit, const fs::path& pictures, doppe
                               .depthM = nullptr,
                               .depthCount = 0});
         }
+        const std::span root(&c.rootTranslation.x, 3);
+        for (const KitEarlierPose& e : c.earlier) {
+            if (auto set = avatar->setPose(e.rotations, root, e.timeNs); !set) return sdk(set.error());
+            if (auto drawn = avatar->render(cameras, images); !drawn) return sdk(drawn.error());
+        }
+        const auto set = c.earlier.empty() ? avatar->setPose(c.rotations, root) : avatar->setPose(c.rotations, root, c.timeNs);
+        if (!set) return sdk(set.error());
         if (auto drawn = avatar->render(cameras, images); !drawn) return sdk(drawn.error());
         for (size_t v = 0; v < c.views.size(); ++v) {
             DPL_TRY(const auto png, encodePng(pixels[v], cameras[v].widthPx, cameras[v].heightPx, 4));

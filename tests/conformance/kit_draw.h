@@ -14,12 +14,18 @@
 
 namespace dpl {
 
-constexpr int kKitVersion = 1;
+constexpr int kKitVersion = 2;
 
 /** One picture that a renderer must draw. */
 struct KitView {
     std::string picture;  // file name: NAME.png, or NAME.left.png and NAME.right.png
     Cameraf camera;
+};
+
+/** A pose that is drawn before that of a case. */
+struct KitEarlierPose {
+    std::vector<float> rotations;
+    int64_t timeNs = 0;
 };
 
 struct KitCase {
@@ -29,6 +35,8 @@ struct KitCase {
     std::vector<KitView> views;
     bool mayBeBlank = false;
     ToleranceBand band;
+    std::vector<KitEarlierPose> earlier;  // oldest first; none: the pose has no time
+    int64_t timeNs = 0;
 };
 
 /** Reads kit.json. Errors name the file. */

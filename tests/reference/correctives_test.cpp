@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Pose correctives of the CPU renderer against the referee: positions and brightness of vertices.
+#include "sdk/avatar/motion_state.h"
 #include "sdk/avatar/posed_mesh.h"
 #include "tests/reference/corrective_cases.h"
 #include "tests/unit/avatar/clothed_legs.h"
@@ -27,6 +28,32 @@ TEST(SceneLight, cpuBrightnessIsTheReferees) {
 
 TEST(Correctives, expressionsAreTheReferees) {
     expectExpressionsMatch("CPU", posedOnCpu);
+}
+
+TEST(MotionState, whatClothesRememberIsTheReferees) {
+    const AvatarData avatar = randomAvatar(4);
+    std::mt19937 random(9);
+    MotionModeData motion = test::randomMotion(avatar.joints.size(), 3, random);
+    motion.lagsS = {0.15f, 1}, motion.modes.assign(motion.featureCount() * motion.columnCount(), 0.1f);
+    double worst = 0, held = 0, lagged = 0;
+    for (uint32_t seed = 0; seed < 40; ++seed) {
+        std::vector<ReferenceEarlierPose> earlier;
+        MotionState state;
+        for (const double seconds : {0.4, 1e-3, 2.0, 0.0, 0.03}) {
+            Pose pose = randomPose(avatar, 100 * seed + uint32_t(earlier.size()));
+            earlier.push_back({pose, seconds});
+            if (earlier.size() > 1) pose.before = forgetMotion(motion, state, earlier[earlier.size() - 2].secondsToNext);
+            state = stateOf(motion, pose);
+        }
+        const MotionMemory is = forgetMotion(motion, state, earlier.back().secondsToNext), want = referenceMemory(motion, earlier);
+        for (size_t i = 0; i < motion.heldCount(); ++i)
+            worst = std::max(worst, std::abs(is.held[i] - want.held[i])), held = std::max(held, want.held[i]);
+        for (size_t i = 0; i < motion.lagCount(); ++i)
+            worst = std::max(worst, std::abs(is.lagged[i] - want.lagged[i])), lagged = std::max(lagged, std::abs(want.lagged[i]));
+        for (size_t l = 0; l < motion.lagsS.size(); ++l) worst = std::max(worst, std::abs(is.earlier[l] - want.earlier[l]));
+    }
+    EXPECT_GT(std::min(held, lagged), 0.3);
+    EXPECT_LT(worst, 1e-9) << "its integrals are Simpson's";
 }
 
 struct MovedNodes {

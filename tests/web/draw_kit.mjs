@@ -4,6 +4,7 @@
 import fs from 'node:fs';
 import path from 'node:path';
 import { Doppel } from '../../platform/web/doppel.js';
+import { cameraOf, poseAsIn } from './kit_case.mjs';
 import { png } from './png.mjs';
 
 const [module, kit, pictures] = process.argv.slice(2);
@@ -12,9 +13,9 @@ fs.mkdirSync(pictures, { recursive: true });
 const { cases } = JSON.parse(fs.readFileSync(path.join(kit, 'kit.json'), 'utf8'));
 for (const one of cases) {
   const person = await Doppel.load(fs.readFileSync(path.join(kit, one.avatar)), { module: wasm });
-  person.setPose(one.rotations.flat(), one.root_translation);
+  poseAsIn(one, person, camera => person.draw(camera));
   for (const view of one.views) {
-    const c = view, camera = { width: c.width_px, height: c.height_px, fx: c.fx, fy: c.fy, cx: c.cx, cy: c.cy, viewFromWorld: c.view_from_world };
+    const camera = cameraOf(view);
     fs.writeFileSync(path.join(pictures, view.picture), png(person.draw(camera), camera.width, camera.height));
   }
   person.dispose();

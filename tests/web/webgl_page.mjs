@@ -5,6 +5,7 @@ import { Doppel } from '../../platform/web/doppel.js';
 import { SplatRenderer } from '../../platform/web/webgl-renderer.js';
 import { XREyes, cameraOfXRView } from '../../platform/web/webxr.js';
 import { SHOTS, poseAs } from './shots.mjs';
+import { cameraOf, poseAsIn } from './kit_case.mjs';
 
 const MODULE = '/module/doppel.wasm', PERSON = '/work/person.glb', KIT = '/work/kit/';
 const FRAMES = 1000, TIMED = 21;
@@ -40,9 +41,9 @@ async function kit() {
   found.kit = [];
   for (const one of cases) {
     const person = await load(KIT + one.avatar);
-    person.setPose(one.rotations.flat(), one.root_translation);
+    poseAsIn(one, person, camera => renderer.draw(person, camera));
     for (const c of one.views) {
-      const camera = { width: c.width_px, height: c.height_px, fx: c.fx, fy: c.fy, cx: c.cx, cy: c.cy, viewFromWorld: c.view_from_world };
+      const camera = cameraOf(c);
       renderer.draw(person, camera);
       await post(`/picture/kit-${c.picture}.rgba`, renderer.read());
       found.kit.push({ name: one.name, picture: c.picture, width: camera.width, height: camera.height, blank: one.may_be_blank });

@@ -5,6 +5,7 @@ import json
 import pathlib
 import re
 import shutil
+import statistics
 import subprocess
 
 from . import machine
@@ -406,9 +407,52 @@ def ladder_rows(report):
             for r in report["ladder"] for kind in ("static", "dynamic") for split, cell in r.get(kind, {}).items()]
 
 
-def ladder(name, scan):
+def ladder(name, scan, options):
+    """`name`: the bench whose run it is; it is made where it was not."""
     def take(place):
-        return ladder_rows(reconstruct(place, name, scan(place), ["--preset", "draft"]))
+        return ladder_rows(reconstruct(place, name, scan(place), options))
+    return take
+
+
+# Of a report: figure, how to find it, digits, name of its bar.
+SEED_FIGURES = (
+    ("still, with pose fit, dB", lambda r: r["means"]["static"]["with_pose_fit"]["masked_psnr_db"], 2, "still"),
+    ("still, without, dB", lambda r: r["means"]["static"]["without_pose_fit"]["masked_psnr_db"], 2, None),
+    ("moving, with pose fit, dB", lambda r: r["means"]["dynamic"]["with_pose_fit"]["masked_psnr_db"], 2, "moving"),
+    ("moving, without, dB", lambda r: r["means"]["dynamic"]["without_pose_fit"]["masked_psnr_db"], 2, "moving_unfitted"),
+    ("moving, over the union of mask and alpha, dB", lambda r: r["means"]["dynamic"]["with_pose_fit"]["union_psnr_db"], 2, None),
+    ("moving, over the union, without, dB", lambda r: r["means"]["dynamic"]["without_pose_fit"]["union_psnr_db"], 2, None),
+    ("moving, uncovered mask, %", lambda r: 100 * r["means"]["dynamic"]["with_pose_fit"]["uncovered"], 2, "uncovered"),
+    ("moving, drawn outside the mask, %", lambda r: 100 * r["means"]["dynamic"]["with_pose_fit"]["drawn_outside"], 2, "outside"),
+    ("true poses, points of the top over plain skinning", lambda r: figure(r, "garment.top.point_distance_ratio"), 3, "top"),
+    ("true poses, points of the bottom over plain skinning", lambda r: figure(r, "garment.bottom.point_distance_ratio"), 3, "bottom"),
+)
+
+
+def seed_rows(reports, bars):
+    """A row a figure, with its value in the report of each seed, their mean and standard deviation."""
+    rows = []
+    for what, value_in, digits, bar in SEED_FIGURES:
+        values = [value_in(r) for r in reports]
+        if None not in values:
+            rows.append({"row": "seeds", "figure": what, "digits": digits, "values": values, "mean": statistics.mean(values),
+                         "sigma": statistics.stdev(values), "bars": {"mean": bars[bar]} if bar in bars else {}})
+    return rows
+
+
+def seeds(name, folder, options, bars):
+    """Training seeds 1, 2 and 3. `name`: the bench whose run seed 1 is. Stages before training hear no seed, so the others take them over."""
+    def take(place):
+        scan, reports = data(place, folder), []
+        for seed in (1, 2, 3):
+            run = name if seed == 1 else f"{name}-seed-{seed}"
+            out = place.work / run
+            if seed > 1 and not (out / "stages").exists():
+                out.mkdir(parents=True, exist_ok=True)
+                shutil.copytree(place.work / name / "stages", out / "stages.partial", dirs_exist_ok=True)
+                (out / "stages.partial").rename(out / "stages")
+            reports.append(reconstruct(place, run, scan, [*options, "--seed", seed]))
+        return seed_rows(reports, bars)
     return take
 
 
@@ -418,6 +462,10 @@ def bars_on_scan(static, dynamic, dynamic_unfitted):
 
 
 SCAN_A_BARS, SCAN_C_BARS = bars_on_scan(26.5, 24, 22), bars_on_scan(24.5, 19, 17)
+SEED_BARS_A = {"still": at_least(26.7), "moving": at_least(23), "moving_unfitted": at_least(20.8), "top": at_most(0.7), "bottom": at_most(0.65)}
+SEED_BARS_C = {"still": at_least(25.0), "moving": at_least(18), "moving_unfitted": at_least(16), "uncovered": at_most(2), "outside": at_most(1.5),
+               "bottom": at_most(0.85)}
+SEED_BARS_MOTION = {"moving_unfitted": at_least(17), "bottom": at_most(0.5)}
 BIKER_BARS = {"static": {"psnr_without_pose_fit_db": at_least(22), "iou_without_pose_fit": at_least(0.95)}}
 
 
@@ -489,6 +537,7 @@ def take_steps_2k(place):
 
 
 DOPPEL = ("doppel",)
+SEEDS = "doppel reconstruct ../shared/data/{0} -o OUT --preset {1} --seed N"
 DRAFT = "doppel sample -o scan --seed {0} && doppel reconstruct scan -o OUT --preset draft"
 
 BENCHES = [
@@ -551,12 +600,18 @@ BENCHES = [
     Bench("quality-biker", "long", 8, "a real man holding a helmet, one pose, keypoints by the networks",
           "doppel reconstruct ../shared/data/real-orbit-biker -o OUT --models ../shared/data/models", DOPPEL,
           real("quality-biker", "real-orbit-biker", BIKER_BARS, lambda place: ["--models", data(place, "models")])),
-    Bench("ladder-procedural-1", "long", 3, "what the truth in place of a stage gains: the procedural subject of seed 1", DRAFT.format(1), DOPPEL,
-          ladder("ladder-procedural-1", lambda place: sample(place, 1))),
-    Bench("ladder-scan-a", "long", 5, "the same for scan-a", "doppel reconstruct ../shared/data/scan-a -o OUT --preset draft", DOPPEL,
-          ladder("ladder-scan-a", lambda place: data(place, "scan-a"))),
-    Bench("ladder-scan-c", "long", 5, "the same for scan-c", "doppel reconstruct ../shared/data/scan-c -o OUT --preset draft", DOPPEL,
-          ladder("ladder-scan-c", lambda place: data(place, "scan-c"))),
+    Bench("ladder-procedural-1", "long", 0.1, "what the truth in place of a stage gains: the run of quality-procedural-1", DRAFT.format(1), DOPPEL,
+          ladder("quality-procedural-1", lambda place: sample(place, 1), ["--preset", "draft"])),
+    Bench("ladder-scan-a", "long", 0.1, "the same for the run of quality-scan-a", "doppel reconstruct ../shared/data/scan-a -o OUT", DOPPEL,
+          ladder("quality-scan-a", lambda place: data(place, "scan-a"), [])),
+    Bench("ladder-scan-c", "long", 0.1, "the same for the run of quality-scan-c", "doppel reconstruct ../shared/data/scan-c -o OUT", DOPPEL,
+          ladder("quality-scan-c", lambda place: data(place, "scan-c"), [])),
+    Bench("seeds-scan-a", "long", 25, "scan-a with three training seeds", SEEDS.format("scan-a", "standard"), DOPPEL,
+          seeds("quality-scan-a", "scan-a", [], SEED_BARS_A)),
+    Bench("seeds-scan-c", "long", 25, "scan-c with three training seeds", SEEDS.format("scan-c", "standard"), DOPPEL,
+          seeds("quality-scan-c", "scan-c", [], SEED_BARS_C)),
+    Bench("seeds-scan-c-motion", "long", 20, "scan-c-motion, 24 pictures a second, with three training seeds", SEEDS.format("scan-c-motion", "draft"),
+          DOPPEL, seeds("seeds-scan-c-motion", "scan-c-motion", ["--preset", "draft"], SEED_BARS_MOTION)),
     Bench("gpu-frames", "gpu", 1, "frames on a GPU, every renderer in turn, against the double-precision referee",
           "doppel bench demo/avatar/avatar.glb --repeats 101", DOPPEL, take_gpu_frames),
     Bench("gpu-scaling", "gpu", 0.7, "frame time on a GPU against the number of splats",

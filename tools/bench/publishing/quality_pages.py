@@ -80,6 +80,23 @@ def walk_rows(store, names):
             for name, label in names for row in store.rows(name) if row["row"] == "walk"]
 
 
+SEEDS = (("seeds-scan-a", "scan-a"), ("seeds-scan-c", "scan-c, a skirt"), ("seeds-scan-c-motion", "scan-c-motion, a skirt at 24 pictures a second"))
+
+
+def seeds(store):
+    text = ("## Three training seeds\n\nHow far figures differ by chance, on held-out frames: the seed changes the training alone. Differences of "
+            "one run below 2√2 σ are chance.\n\n")
+    for name, label in SEEDS:
+        rows = store.rows(name)
+        if not rows:
+            continue
+        body = [[r["figure"], *(number(v, r["digits"]) for v in r["values"]), barred(r, "mean", r["digits"]), number(r["sigma"], r["digits"])]
+                for r in rows]
+        text += f"### {label}\n\n" + table(["figure", *(f"seed {k + 1}" for k in range(len(rows[0]["values"]))), "mean", "σ"], body) + "\n"
+        text += taken(store.get(name)) + "\n"
+    return text + missing_of(store, SEEDS)
+
+
 def taken_all(store, names):
     return "".join(f"- {label}: {taken(store.get(name), '  ')}" for name, label in names if store.get(name))
 
@@ -111,6 +128,7 @@ def quality(store):
     if walks:
         text += ("Clothes in recorded walks of other people ([definition](../reference/metrics.md)), poses that the avatar was not trained in.\n\n" +
                  table(WALK, walks) + "\n")
+    text += seeds(store)
     text += section(store, "quality-2k", "A scan of 1080 × 1440 pixels", two_k)
     text += "## What nobody looked at\n\nProcedural subjects that no code was tuned on, preset draft.\n\n"
     rows = held_out_rows(store, UNSEEN)
@@ -137,8 +155,8 @@ LADDERS = (("ladder-procedural-1", "procedural seed 1"), ("ladder-scan-a", "scan
 
 
 def ladder(store):
-    text = BACK + ("# The ladder\n\nMasked PSNR in dB while the truth takes the place of one stage after the other, preset draft; nothing is trained "
-                   "again. In brackets: mean distance of the avatar's vertices from where the true surface would carry them, mm. "
+    text = BACK + ("# The ladder\n\nMasked PSNR in dB while the truth takes the place of one stage after the other, in the runs of "
+                   "[quality](quality.md); nothing is trained again. In brackets: mean distance of the avatar's vertices from where the true surface would carry them, mm. "
                    "[Definition](../reference/metrics.md).\n\n")
     for name, label in LADDERS:
         file = store.get(name)
