@@ -180,11 +180,19 @@ Result<std::vector<uint8_t>> encodeDraco(const LayerMesh& mesh) try {
     encoder.options().SetAttributeOptions(position, latticeQuantization(bits, low));
     if (normal >= 0) encoder.SetAttributeQuantization(normal, kNormalBits);
     if (place >= 0) encoder.SetAttributeQuantization(place, kUvBits);
+    // Draco before 1.5.7 writes small, regular meshes that no Draco reads: alphabets far larger than the bytes behind them
+    // (github.com/google/draco/issues/1013). Attributes of such a mesh are stored as they are.
     encoder.options().SetGlobalBool("compress_connectivity", true);
-    draco::EncoderBuffer buffer;
-    if (auto status = encoder.EncodeToBuffer(&buffer); !status.ok())
-        return fail(Code::Internal, "Draco could not encode a layer: {}", status.error_msg_string());
-    return std::vector<uint8_t>(buffer.data(), buffer.data() + buffer.size());
+    for (const bool entropyCoded : {true, false}) {
+        encoder.options().SetGlobalBool("use_built_in_attribute_compression", entropyCoded);
+        draco::EncoderBuffer buffer;
+        if (auto status = encoder.EncodeToBuffer(&buffer); !status.ok())
+            return fail(Code::Internal, "Draco could not encode a layer: {}", status.error_msg_string());
+        std::vector<uint8_t> bytes(buffer.data(), buffer.data() + buffer.size());
+        draco::Mesh read;
+        if (runDecoder<draco::MeshSequentialDecoder>(bytes, vertexCount, &read)) return bytes;
+    }
+    return fail(Code::Internal, "Draco cannot read the layer that it wrote");
 } catch (const std::bad_alloc&) {
     return outOfMemory("compress a mesh");
 } catch (const std::exception& e) {

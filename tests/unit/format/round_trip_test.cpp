@@ -8,6 +8,7 @@
 #include <numbers>
 
 #include "sdk/format/splat_codec.h"
+#include "tests/unit/avatar/clothed_legs.h"
 #include "tests/unit/format/sample_avatars.h"
 #include "tests/unit/format/sample_correctives.h"
 
@@ -77,6 +78,20 @@ TEST(AvatarRoundTrip, verticesAndTrianglesKeepTheirOrderAndWeightsAreExact) {
                       kPositionStepM / 2 * 1.01f);  // half a step, plus the rounding of float
         for (int k = 0; k < 4; ++k) EXPECT_EQ(a.mesh.jointWeights[v][k] ? a.mesh.jointIndices[v][k] : 0, b.mesh.jointIndices[v][k]);
     }
+}
+
+TEST(AvatarRoundTrip, aRegularMeshThatDracoCannotReadAfterCompressingItIsStoredAnotherWay) {
+    AvatarData a = test::clothedLegs();  // tubes of few different steps from vertex to vertex
+    a.mesh.colours.assign(a.mesh.restPositions.size(), glm::u8vec4(128, 128, 128, 255));
+    a.splats.triangleStart.assign(a.mesh.triangles.size() + 1, 0);
+    const AvatarData b = throughFile(a);
+    EXPECT_TRUE(a.mesh.triangles == b.mesh.triangles);
+    EXPECT_TRUE(a.mesh.jointWeights == b.mesh.jointWeights);
+    ASSERT_EQ(a.mesh.restPositions.size(), b.mesh.restPositions.size());
+    for (size_t v = 0; v < a.mesh.restPositions.size(); ++v)
+        for (int k = 0; k < 3; ++k)
+            EXPECT_LE(std::abs(a.mesh.restPositions[v][k] - b.mesh.restPositions[v][k]), kPositionStepM / 2 * 1.01f);
+    expectSameBytes(a);
 }
 
 TEST(AvatarRoundTrip, moreThan256JointsNeedWideIndices) {
