@@ -92,6 +92,21 @@ class Reports(unittest.TestCase):
         self.assertIsNone(pages.find(benches.quality_rows(report, {}), row="registration"), "a scan without truth has no registration")
 
 
+    def test_seeds_give_a_mean_a_spread_and_a_bar(self):
+        def report(db, ratio):
+            score = {"masked_psnr_db": db, "union_psnr_db": db - 1, "uncovered": 0.02, "drawn_outside": 0.01}
+            return {"means": {kind: {"with_pose_fit": score, "without_pose_fit": score} for kind in ("static", "dynamic")},
+                    "figures": [{"key": "garment.bottom.point_distance_ratio", "value": ratio}]}
+        rows = benches.seed_rows([report(17, 0.8), report(18, 0.9), report(19, 1.0)],
+                                 {"moving": benches.at_least(18.5), "bottom": benches.at_most(0.9)})
+        moving = pages.find(rows, figure="moving, with pose fit, dB")
+        self.assertEqual((moving["values"], moving["mean"], moving["sigma"]), ([17, 18, 19], 18, 1))
+        self.assertEqual(markdown.barred(moving, "mean"), "18.00 (**missed**: ≥ 18.5)")
+        bottom = next(r for r in rows if "bottom" in r["figure"])
+        self.assertEqual(markdown.barred(bottom, "mean"), "0.90 (met: ≤ 0.9)")
+        self.assertFalse([r for r in rows if "top" in r["figure"]], "a scan without a top has no row of it")
+
+
 class Programs(unittest.TestCase):
     def test_every_program_is_looked_for_where_it_is_built(self):
         for program in sorted({p for bench in benches.BENCHES for p in bench.programs}):
@@ -150,6 +165,17 @@ class Runs(unittest.TestCase):
         self.assertIn("no device", errors)
         self.assertEqual((self.root / "docs/benchmarks/one.json").read_text(), before)
         self.assertEqual(self.taken[-2:], ["one", "two"])
+
+    def test_a_bench_that_was_left_out_is_tried_again_when_the_run_continues(self):
+        def lacking():
+            raise benches.Skipped("needs a GPU")
+
+        def interrupted():
+            raise KeyboardInterrupt
+        with self.assertRaises(KeyboardInterrupt):
+            self.run_all([self.bench("one", lacking), self.bench("two", interrupted)])
+        self.assertEqual(self.run_all([self.bench("one"), self.bench("two")])[0], [])
+        self.assertEqual(self.taken, ["one", "two", "one", "two"])
 
     def test_other_work_makes_a_run_loaded(self):
         with mock.patch.object(machine, "busy_seconds", side_effect=[0.0, 1000.0]):

@@ -499,7 +499,7 @@ def real(name, folder, bars, options=lambda place: [], walks=False):
 
 
 def take_2k(place):
-    """A scan with as many pixels as a phone's video, and a test chart on its shirt, by `high` within 40 minutes."""
+    """A scan with as many pixels as a phone's video, and a test chart on its shirt, by `high` within 75 minutes."""
     scan = place.work / "scan-2k"
     if not (scan / "scan.json").exists():
         shutil.rmtree(scan, ignore_errors=True)

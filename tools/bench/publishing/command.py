@@ -114,6 +114,7 @@ def run_benches(options, root, wanted):
             raw.write(root / "docs/benchmarks", bench.name, bench.command, run, rows)
         except benches.Skipped as why:
             print(f"  left out: {why}", flush=True)
+            continue
         except benches.BenchError as why:
             print(f"  FAILED: {why}", file=sys.stderr, flush=True)
             failed.append(bench.name)
