@@ -14,7 +14,7 @@ void addSampleCommand(CLI::App& app, CommandRun& run) {
         uint64_t seed = 1;
         uint32_t threadCount = 0;
         bool small = false, skirt = false, fingers = false, chart = false, posters = false;
-        std::string size;
+        std::string size, hair;
     };
     auto options = std::make_shared<Options>();
     CLI::App* command = app.add_subcommand("sample", "Make the scan of a procedural person, with the true shape and poses");
@@ -25,6 +25,10 @@ void addSampleCommand(CLI::App& app, CommandRun& run) {
     command->add_flag("--small", options->small, "Pictures of half the size and fewer frames, for quick tests");
     command->add_option("--size", options->size, "Size of the pictures; default 378x504, with --small 189x252")->check(isPictureSize());
     command->add_flag("--skirt", options->skirt, "A wide skirt that swings, in place of shorts");
+    command
+        ->add_option("--hair", options->hair,
+                     "Locks of hair in place of a close cap: short, or long, which swings; the head shakes then too")
+        ->check(CLI::IsMember({"short", "long"}));
     command->add_flag("--fingers", options->fingers, "Hands that bend and make gestures, with keypoints of every finger");
     command->add_flag("--chart", options->chart, "A test chart on the shirt: letters, bars and a check, of 26 to 0.6 mm");
     command->add_flag("--posters", options->posters, "A room with posters and a patterned floor, in which cameras can be found");
@@ -34,6 +38,7 @@ void addSampleCommand(CLI::App& app, CommandRun& run) {
         "Examples:\n  doppel sample -o scan\n  doppel sample -o scan-7 --seed 7 --small\n"
         "  doppel sample -o scan-2k --size 1080x1440 --chart    as many pixels as a phone's video, and fine print\n"
         "  doppel sample -o scan-skirt --skirt          cloth that hangs free between the legs\n"
+        "  doppel sample -o scan-hair --hair long       hair that hangs, swings, and swings on\n"
         "  doppel sample -o scan-hands --fingers        fingers that move\n"
         "  doppel sample -o scan-room --posters         to try `doppel cameras`; then take the cameras out of scan.json");
     command->callback([options, &run] {
@@ -43,6 +48,7 @@ void addSampleCommand(CLI::App& app, CommandRun& run) {
             SampleScanOptions scan = SampleScanOptions::small(options->seed);
             if (!options->small) scan = SampleScanOptions{}, scan.seed = options->seed;
             scan.skirt = options->skirt, scan.fingers = options->fingers, scan.chart = options->chart, scan.posters = options->posters;
+            if (!options->hair.empty()) scan.hair = options->hair == "long" ? Hairstyle::Long : Hairstyle::Short;
             if (const auto size = parsePictureSize(options->size)) scan.widthPx = size->widthPx, scan.heightPx = size->heightPx;
             progress.beginStage("sample");
             ShownTask task(progress);

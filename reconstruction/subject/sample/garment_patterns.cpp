@@ -182,7 +182,7 @@ GarmentPattern hairPattern(const BodyField& body, const WardrobeChoice& choice) 
         const float across = p.x + 0.010f * std::sin(34 * p.z + choice.foldPhase);
         const float locks =
             0.0022f * std::sin(across * 300 + 9 * std::sin(p.z * 24 + choice.foldPhase)) + 0.0012f * std::sin(across * 710 + 55 * p.y + 2);
-        const float quiff = 0.008f * ramp(p.z, 0.02f, 0.075f) * crown;
+        const float quiff = choice.quiffM * ramp(p.z, 0.02f, 0.075f) * crown;
         const float thickness = 0.0022f + inside * (choice.hairM * (0.55f + 0.45f * crown) + quiff + locks);
         return body.scalp(p) - thickness;
     };

@@ -24,6 +24,7 @@ struct WardrobeChoice {
     float shortsHemY = 0.565f;  // height, metres
     float skirtHemY = 0.47f;    // height, metres
     float hairM = 0.018f;       // thickness on the crown
+    float quiffM = 0.008f;      // more of it above the forehead
     float foldPhase = 0;        // radians, shifts the folds
 };
 

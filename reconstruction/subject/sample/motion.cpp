@@ -10,7 +10,7 @@
 
 namespace dpl {
 
-SampleMotion SampleMotion::dynamicSequence(uint64_t seed, double durationS, bool fingers) {
+SampleMotion SampleMotion::dynamicSequence(uint64_t seed, double durationS, bool fingers, bool headShake) {
     Random random(seed, 101);
     SampleMotion motion;
     motion.durationS_ = durationS;
@@ -66,6 +66,7 @@ SampleMotion SampleMotion::dynamicSequence(uint64_t seed, double durationS, bool
     for (int j = 0; j < kBuiltinJointCount; ++j)
         motion.swayPhase_.push_back({random.uniform(0, 6.28), random.uniform(0, 6.28), random.uniform(0, 6.28)});
     if (fingers) motion.hands_.emplace(seed, durationS);
+    if (headShake) motion.shake_.emplace(seed, durationS);
     return motion;
 }
 
@@ -86,6 +87,7 @@ TruthPose SampleMotion::pose(double timeS) const {
     pose.translation.x += 0.045 * (right - left) / 1.2;
     for (const bool side : {true, false})
         if (hands_) setHand(side, hands_->at(side, timeS), pose);
+    if (shake_) shake_->turn(timeS, pose);
     return pose;
 }
 

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "reconstruction/subject/sample/hand_motion.h"
+#include "reconstruction/subject/sample/head_shake.h"
 #include "reconstruction/subject/sample/skinning.h"
 
 namespace dpl {
@@ -21,8 +22,8 @@ struct Action {
 class SampleMotion {
 public:
     /** Arm raises, elbow flexion, leg raises, turns and a torso twist within `durationS`. Amplitudes vary by up to 8 % with the seed.
-     *  `fingers`: the hands make gestures (HandMotion) in place of a slight curl. */
-    static SampleMotion dynamicSequence(uint64_t seed, double durationS, bool fingers = false);
+     *  `fingers`: the hands make gestures (HandMotion) in place of a slight curl. `headShake`: the head shakes too (HeadShake). */
+    static SampleMotion dynamicSequence(uint64_t seed, double durationS, bool fingers = false, bool headShake = false);
 
     /** Twice continuously differentiable in time. The rest pose before 0. */
     TruthPose pose(double timeS) const;
@@ -32,6 +33,7 @@ private:
     std::vector<Action> actions_;
     std::vector<Vec3d> swayPhase_;
     std::optional<HandMotion> hands_;
+    std::optional<HeadShake> shake_;
     double durationS_ = 0;
 };
 

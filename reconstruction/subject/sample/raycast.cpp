@@ -109,12 +109,13 @@ struct PersonTracer::State {
                     sourceVertex.push_back(layer.firstVertex + v);
                     inner.push_back(1);
                 }
+            const bool locks = s.parts[i].label == kLabelHair && s.hair.style != Hairstyle::Cap;
             for (uint32_t t = layer.firstTriangle; t < layer.firstTriangle + layer.triangleCount; ++t) {
                 if (s.hiddenFace[t]) continue;
                 const Triangle f = mesh.triangles[t];
                 drawn[t] = uint32_t(triangles.size());
                 add(f, s.parts[i].label);
-                if (i == 0) continue;
+                if (i == 0 || (locks && t >= s.hair.firstTriangle)) continue;  // bodies and locks are solids
                 auto in = [&](uint32_t v) { return innerOf[v - layer.firstVertex]; };
                 add({in(f.x), in(f.z), in(f.y)}, s.parts[i].label);
                 for (int c = 0; c < 3; ++c) edges[{f[c], f[(c + 1) % 3]}] = 1;

@@ -20,7 +20,8 @@ Result<std::vector<TrainFrame>> sampleFrames(const Subject& subject, const Sampl
         if (stopped) return;
         if (!tracers[worker]) tracers[worker] = std::make_unique<PersonTracer>(subject);
         const PlannedFrame& frame = planned[f];
-        tracers[worker]->setVertices(poseSubject(subject, frame.pose, frame.kind == FrameKind::Dynamic ? &frame.lag : nullptr));
+        tracers[worker]->setVertices(
+            poseSubject(subject, frame.pose, frame.kind == FrameKind::Dynamic ? &frame.lag : nullptr, frame.lockNodes));
         RaycastFrame drawn = tracers[worker]->render(frame.camera, sampleRays(options, f));
         const uint32_t width = frame.camera.widthPx, height = frame.camera.heightPx;
         FramePicture picture;
@@ -38,7 +39,8 @@ Result<std::vector<TrainFrame>> sampleFrames(const Subject& subject, const Sampl
 }
 
 std::vector<Pose> sampleMotionPoses(const Subject& subject, const SampleScanOptions& options, uint32_t count) {
-    const SampleMotion motion = SampleMotion::dynamicSequence(subject.seed, options.dynamicS, options.fingers);
+    const SampleMotion motion =
+        SampleMotion::dynamicSequence(subject.seed, options.dynamicS, options.fingers, options.hair == Hairstyle::Long);
     std::vector<Pose> poses;
     for (uint32_t i = 0; i < count; ++i) poses.push_back(poseOf(motion.pose(options.dynamicS * (i + 1) / (count + 1))));
     return poses;

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdio>
 
+#include "reconstruction/subject/sample/hair_swing.h"
 #include "reconstruction/subject/sample/random.h"
 #include "reconstruction/subject/sample/skeleton.h"
 
@@ -100,8 +101,9 @@ std::vector<PlannedFrame> planScan(const Subject& subject, const SampleScanOptio
         frames.push_back(std::move(f));
     }
 
-    const SampleMotion motion = SampleMotion::dynamicSequence(o.seed, o.dynamicS, o.fingers);
+    const SampleMotion motion = SampleMotion::dynamicSequence(o.seed, o.dynamicS, o.fingers, o.hair == Hairstyle::Long);
     SwingSimulation swing(subject, motion);
+    HairSwing hair(subject, motion);
     for (uint32_t i = 0; i < o.dynamicFrames; ++i) {
         PlannedFrame f;
         f.name = numbered("dyn", i);
@@ -110,6 +112,7 @@ std::vector<PlannedFrame> planScan(const Subject& subject, const SampleScanOptio
         f.timeS = o.dynamicS * (i + 1) / (o.dynamicFrames + 1);
         f.pose = motion.pose(f.timeS);
         f.lag = swing.at(f.timeS);
+        f.lockNodes = hair.at(f.timeS);
         f.keepPosed = i % 3 == 0 || f.split == Split::Test;
         const double azimuth = kTau * 1.5 * i / std::max(1u, o.dynamicFrames) + random.uniform(-0.03, 0.03),
                      distance = 1.09 * reach * random.uniform(0.98, 1.04);

@@ -19,9 +19,10 @@ struct PlannedFrame {
     double timeS = 0;  // of dynamic frames
     Camerad camera;    // world +Y up
     TruthPose pose;
-    std::vector<Vec3d> lag;  // of dynamic frames: per swing driver, metres
-    bool keepPosed = false;  // write its posed vertices to posed/
-    bool keepFine = false;   // write its picture at 4 times the size to hires/
+    std::vector<Vec3d> lag;           // of dynamic frames: per swing driver, metres
+    std::vector<LockNode> lockNodes;  // of dynamic frames with hair that swings
+    bool keepPosed = false;           // write its posed vertices to posed/
+    bool keepFine = false;            // write its picture at 4 times the size to hires/
 };
 
 /** A static orbit at three heights, close-ups, and a dynamic sequence during which the camera circles the subject one and a half times. */

@@ -90,7 +90,8 @@ std::vector<SampleKeypoint> observe(std::span<const BodyKeypoint> keypoints, con
 
 Status writeFrame(const fs::path& folder, const Subject& subject, const PlannedFrame& frame, size_t index, const SampleScanOptions& o,
                   PersonTracer& tracer, TruePoints& points) {
-    const std::vector<Vec3d> vertices = poseSubject(subject, frame.pose, frame.kind == FrameKind::Dynamic ? &frame.lag : nullptr);
+    const std::vector<Vec3d> vertices =
+        poseSubject(subject, frame.pose, frame.kind == FrameKind::Dynamic ? &frame.lag : nullptr, frame.lockNodes);
     points.body = keypointsWorld(subject, subject.keypoints, frame.pose, vertices);
     if (o.fingers) points.hands = keypointsWorld(subject, subject.handKeypoints, frame.pose, vertices);
     if (o.chart && frame.closeupOf == "logo" && frame.split == Split::Test) points.bars = seeBars(subject, vertices, frame.camera);
@@ -118,7 +119,7 @@ Status writeFrame(const fs::path& folder, const Subject& subject, const PlannedF
 
 Status writeAll(const fs::path& folder, const SampleScanOptions& o, Jobs& jobs) {
     DPL_RETURN_IF_ERROR(taskAt(0, "modelling the subject"));
-    Subject subject = makeSubject(o.seed, jobs, o.skirt ? Bottom::Skirt : Bottom::Shorts);
+    Subject subject = makeSubject(o.seed, jobs, o.skirt ? Bottom::Skirt : Bottom::Shorts, o.hair);
     subject.look.chart = o.chart;
     const std::vector<PlannedFrame> frames = planScan(subject, o);
     std::error_code error;

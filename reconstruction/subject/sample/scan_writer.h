@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <string>
 
+#include "reconstruction/subject/sample/hair_locks.h"
 #include "sdk/core/jobs.h"
 #include "sdk/core/result.h"
 
@@ -13,10 +14,11 @@ namespace dpl {
 
 struct SampleScanOptions {
     uint64_t seed = 1;
-    bool skirt = false;    // a wide skirt to the knee in place of shorts
-    bool fingers = false;  // hands that move (hand_motion.h), with keypoints; of each hand one close-up is held out
-    bool chart = false;    // a test chart on the shirt; its middle close-up is held out, and truth.json tells where its bars are
-    bool posters = false;  // a room with posters and a patterned floor, in which cameras can be found; the person is the same
+    bool skirt = false;               // a wide skirt to the knee in place of shorts
+    bool fingers = false;             // hands that move (hand_motion.h), with keypoints; of each hand one close-up is held out
+    Hairstyle hair = Hairstyle::Cap;  // locks in place of the close cap; long ones swing, and the head shakes in the moving part
+    bool chart = false;               // a test chart on the shirt; its middle close-up is held out, and truth.json tells where its bars are
+    bool posters = false;             // a room with posters and a patterned floor, in which cameras can be found; the person is the same
     uint32_t widthPx = 378, heightPx = 504;
     uint32_t fullFrames = 60, closeupFrames = 24, dynamicFrames = 90;
     double dynamicS = 18.75;  // duration of the motion

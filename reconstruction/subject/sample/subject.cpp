@@ -15,9 +15,11 @@ namespace {
 
 constexpr int kNearest = 6;  // body vertices from which a garment vertex takes weights and morphs
 constexpr float kClearanceM = 0.004f;
-constexpr float kHairClearanceM = 0.0012f;  // hair lies closer to the skin than cloth
-constexpr int kCloseRounds = 8;             // smoothing of weights and morphs along a sheet
-constexpr float kHangingM = 0.02f;          // cloth farther from the skin hangs free, and takes part in kHangingRounds more
+constexpr float kHairClearanceM = 0.0012f;                               // hair lies closer to the skin than cloth
+constexpr float kUnderLocksM = 0.003f;                                   // thickness of the cap that locks stand on
+constexpr const char* kHairNames[] = {"", "-short-hair", "-long-hair"};  // by Hairstyle: in the subject's name
+constexpr int kCloseRounds = 8;                                          // smoothing of weights and morphs along a sheet
+constexpr float kHangingM = 0.02f;  // cloth farther from the skin hangs free, and takes part in kHangingRounds more
 constexpr int kHangingRounds = 200;
 
 struct Fitting {
@@ -135,7 +137,7 @@ void addClothDynamics(Subject& subject, const WardrobeChoice& wardrobe) {
     const Vec3f arm = glm::normalize(skeleton[kLeftElbow].restPosition - shoulder);
     auto alongArm = [&](const Vec3f& p) { return glm::dot(Vec3f(std::abs(p.x), p.y, p.z) - shoulder, arm); };
     for (size_t i = 0; i < subject.parts.size(); ++i) {
-        if (!subject.parts[i].cloth) continue;
+        if (!subject.parts[i].cloth || subject.parts[i].label == kLabelHair) continue;
         const LayerData& layer = subject.mesh.layers[i];
         const uint8_t first = uint8_t(subject.drivers.size());
         const bool top = subject.parts[i].label == kLabelTop;
@@ -198,12 +200,12 @@ void addClothDynamics(Subject& subject, const WardrobeChoice& wardrobe) {
 
 }  // namespace
 
-Subject makeSubject(uint64_t seed, Jobs& jobs, Bottom bottom) {
+Subject makeSubject(uint64_t seed, Jobs& jobs, Bottom bottom, Hairstyle hair) {
     Subject subject;
     subject.seed = seed;
     subject.bottom = bottom;
     const bool skirted = bottom == Bottom::Skirt;
-    subject.name = "procedural-" + std::to_string(seed) + (skirted ? "-skirt" : "");
+    subject.name = "procedural-" + std::to_string(seed) + (skirted ? "-skirt" : "") + kHairNames[size_t(hair)];
     subject.look = makeLook(seed);
     Random random(seed, 1);
     WardrobeChoice wardrobe;
@@ -213,6 +215,7 @@ Subject makeSubject(uint64_t seed, Jobs& jobs, Bottom bottom) {
     wardrobe.shortsHemY = float(random.uniform(0.555, 0.62));
     wardrobe.hairM = float(random.uniform(0.014, 0.026));
     wardrobe.foldPhase = float(random.uniform(0, 6.28));
+    if (hair != Hairstyle::Cap) wardrobe.hairM = kUnderLocksM, wardrobe.quiffM = 0;
     subject.look.shirtHemY = wardrobe.shirtHemY, subject.look.sleeveM = wardrobe.sleeveM,
     subject.look.bottomHemY = skirted ? wardrobe.skirtHemY : wardrobe.shortsHemY;
     subject.look.dotted = skirted;
@@ -245,7 +248,9 @@ Subject makeSubject(uint64_t seed, Jobs& jobs, Bottom bottom) {
     for (size_t v = 0; v < displacement.size(); ++v) fit.usable[v] = std::abs(body.mesh.restPositions[v].x) < 0.5f;
     const GarmentPattern below = skirted ? skirtPattern(field, wardrobe) : shortsPattern(field, wardrobe);
     const GarmentPattern shirt = shirtPattern(field, wardrobe, below);
-    addGarment(subject, fit, sewGarment(hairPattern(field, wardrobe), jobs), {"hair", kLabelHair, false}, "hair", true, jobs);
+    addGarment(subject, fit, sewGarment(hairPattern(field, wardrobe), jobs), {"hair", kLabelHair, hair == Hairstyle::Long}, "hair", true,
+               jobs);
+    if (hair != Hairstyle::Cap) sowLocks(subject, hair);
     addGarment(subject, fit, sewGarment(shoePattern(field, wardrobe), jobs), {"shoes", kLabelShoes, false}, "garment", false, jobs);
     addGarment(subject, fit, sewGarment(shirt, jobs), {"top", kLabelTop, true}, "garment", false, jobs);
     addGarment(subject, fit, sewGarment(below, jobs), {"bottom", kLabelBottom, true}, "garment", false, jobs);
@@ -268,6 +273,7 @@ Subject makeSubject(uint64_t seed, Jobs& jobs, Bottom bottom) {
     addClothDynamics(subject, wardrobe);
     for (Vec3f& p : subject.mesh.restPositions) p.y += kSoleM;
     for (JointData& j : subject.joints) j.restPosition.y += kSoleM;
+    if (hair != Hairstyle::Cap) growLocks(subject, jobs);
 
     subject.mesh.colours.resize(subject.mesh.restPositions.size());
     for (size_t i = 0; i < subject.parts.size(); ++i)

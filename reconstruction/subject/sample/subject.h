@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "reconstruction/subject/body/body_model.h"
+#include "reconstruction/subject/sample/hair_locks.h"
 #include "reconstruction/subject/sample/look.h"
 #include "reconstruction/subject/sample/motion.h"
 #include "reconstruction/subject/sample/skinning.h"
@@ -21,7 +22,7 @@ enum SubjectLabel : uint8_t { kLabelBackground, kLabelBody, kLabelTop, kLabelBot
 struct SubjectPart {
     std::string name;  // "body", "hair", "shoes", "top", "bottom": also the layer names of the mesh
     uint8_t label = 0;
-    bool cloth = false;  // slides and swings in dynamic frames
+    bool cloth = false;  // slides or swings in dynamic frames
 };
 
 /** How one cloth vertex moves relative to its skinned position. All zero for other vertices. */
@@ -57,15 +58,19 @@ struct Subject {
     std::vector<std::pair<std::string, float>> morphValues;
     Look look;
     Bottom bottom = Bottom::Shorts;
+    HairLocks hair;
 };
 
-/** The same seed gives the same person for any thread count, and another bottom changes nothing else. Takes about three seconds. */
-Subject makeSubject(uint64_t seed, Jobs& jobs, Bottom bottom = Bottom::Shorts);
+/** The same seed gives the same person for any thread count, and another bottom or hair changes nothing else. Takes about three seconds,
+ *  with long hair five. */
+Subject makeSubject(uint64_t seed, Jobs& jobs, Bottom bottom = Bottom::Shorts, Hairstyle hair = Hairstyle::Cap);
 
 /** Vertices at a pose, metres. With `lag` null this is exactly linear blend skinning of the template. Otherwise clothes also slide by a
  *  function of the pose, swing by `lag[driver]` (metres, from SwingSimulation), and are then pushed 3 mm out of the body. A skirt is also
- *  pushed out of the legs that it hangs over, wherever these have moved to. */
-std::vector<Vec3d> poseSubject(const Subject& subject, const TruthPose& pose, const std::vector<Vec3d>* lag);
+ *  pushed out of the legs that it hangs over, wherever these have moved to. Locks of hair lie along `lockNodes` (from HairSwing); without
+ *  these they follow the skinning. */
+std::vector<Vec3d> poseSubject(const Subject& subject, const TruthPose& pose, const std::vector<Vec3d>* lag,
+                               std::span<const LockNode> lockNodes = {});
 
 /** World positions of some of the subject's keypoints for posed vertices. */
 std::vector<Vec3d> keypointsWorld(const Subject& subject, std::span<const BodyKeypoint> keypoints, const TruthPose& pose,

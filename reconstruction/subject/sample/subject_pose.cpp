@@ -69,7 +69,8 @@ void pushOutOfLegs(const Subject& subject, std::vector<Vec3d>& at) {
 
 }  // namespace
 
-std::vector<Vec3d> poseSubject(const Subject& subject, const TruthPose& pose, const std::vector<Vec3d>* lag) {
+std::vector<Vec3d> poseSubject(const Subject& subject, const TruthPose& pose, const std::vector<Vec3d>* lag,
+                               std::span<const LockNode> lockNodes) {
     const auto g = truthTransforms(subject.joints, pose);
     const MeshData& mesh = subject.mesh;
     std::vector<Vec3d> at(mesh.restPositions.size());
@@ -99,6 +100,7 @@ std::vector<Vec3d> poseSubject(const Subject& subject, const TruthPose& pose, co
         if (off < kHoldOffM && off > -0.05) at[v] += (kHoldOffM - off) * n;
     }
     if (subject.bottom == Bottom::Skirt) pushOutOfLegs(subject, at);
+    if (!lockNodes.empty()) placeLocks(subject.hair, lockNodes, at);
     return at;
 }
 
