@@ -73,21 +73,30 @@ void keepOut(Vec3d& p, const Vec3d& before, double linkM, double clearanceM, con
     }
 }
 
+/** Where a lock is rooted, and what chance does to it alone and to its neighbours alike. */
+struct Root {
+    const Comb& comb;
+    const PosedSolids& solids;
+    Random &own, &shared;
+    Vec3d at, normal;
+};
+
 /** `edgeM`: distance from the hairline. */
-void combShort(const Comb& comb, Random& own, Random& shared, double edgeM, const Vec3d& root, const Vec3d& normal, HairLock& lock,
-               const PosedSolids& solids) {
-    const Vec3d u = comb.from(root);
+void combShort(const Root& root, double edgeM, HairLock& lock) {
+    const Vec3d u = root.comb.from(root.at);
     const double top = rampd(u.y, 0.1, 0.75), inside = rampd(edgeM, 0.0, 0.035), front = rampd(u.z, 0.2, 0.6) * top;
-    const double liftRad = glm::mix(0.32, 0.66, top) * (0.65 + 0.35 * inside) + 0.28 * front + 0.12 * shared.normal() + 0.07 * own.normal();
-    const double turnRad = 0.22 * shared.normal() + 0.13 * own.normal();
+    const double liftRad =
+        glm::mix(0.32, 0.66, top) * (0.65 + 0.35 * inside) + 0.28 * front + 0.12 * root.shared.normal() + 0.07 * root.own.normal();
+    const double turnRad = 0.22 * root.shared.normal() + 0.13 * root.own.normal();
     lock.lengthM = std::clamp(
-        comb.length * glm::mix(0.024, 0.036, top) * (0.75 + 0.25 * inside) + 0.002 * own.normal() + 0.002 * shared.normal(), 0.020, 0.040);
-    lock.halfWidthM = own.uniform(0.0040, 0.0056), lock.halfThicknessM = own.uniform(0.0018, 0.0026);
-    const Vec3d flow = shortFlow(comb, root, normal), across = glm::cross(normal, flow);
+        root.comb.length * glm::mix(0.024, 0.036, top) * (0.75 + 0.25 * inside) + 0.002 * root.own.normal() + 0.002 * root.shared.normal(),
+        0.020, 0.040);
+    lock.halfWidthM = root.own.uniform(0.0040, 0.0056), lock.halfThicknessM = root.own.uniform(0.0018, 0.0026);
+    const Vec3d flow = shortFlow(root.comb, root.at, root.normal), across = glm::cross(root.normal, flow);
     const Vec3d turned = flow * std::cos(turnRad) + across * std::sin(turnRad);
-    const Vec3d start = turned * std::cos(liftRad) + normal * std::sin(liftRad);
-    const Vec3d end = glm::normalize(turned + 0.35 * std::sin(liftRad) * normal + 0.25 * kDown);
-    Vec3d p = root - 0.0015 * normal;
+    const Vec3d start = turned * std::cos(liftRad) + root.normal * std::sin(liftRad);
+    const Vec3d end = glm::normalize(turned + 0.35 * std::sin(liftRad) * root.normal + 0.25 * kDown);
+    Vec3d p = root.at - 0.0015 * root.normal;
     std::vector<Vec3d>& nodes = lock.groomed;
     nodes.push_back(p);
     const size_t count = lock.clearanceM.size();
@@ -95,34 +104,35 @@ void combShort(const Comb& comb, Random& own, Random& shared, double edgeM, cons
     for (size_t i = 1; i < count; ++i) {
         p += linkM * glm::normalize(glm::mix(start, end, (double(i) - 0.5) / double(count - 1)));
         lock.clearanceM[i] = 0.002 + lock.halfThicknessM;
-        keepOut(p, nodes.back(), linkM, lock.clearanceM[i], solids);
+        keepOut(p, nodes.back(), linkM, lock.clearanceM[i], root.solids);
         nodes.push_back(p);
     }
 }
 
-void combLong(const Comb& comb, Random& own, Random& shared, const Vec3d& root, const Vec3d& normal, HairLock& lock,
-              const PosedSolids& solids) {
-    const Vec3d u = comb.from(root);
+void combLong(const Root& root, HairLock& lock) {
+    const Vec3d u = root.comb.from(root.at);
     const double top = rampd(u.y, -0.25, 0.75);
-    lock.lengthM = std::clamp(comb.length * glm::mix(0.235, 0.335, top) * (1 + 0.05 * shared.normal() + 0.03 * own.normal()), 0.20, 0.35);
-    lock.halfWidthM = own.uniform(0.0085, 0.0115), lock.halfThicknessM = own.uniform(0.0024, 0.0034);
+    lock.lengthM = std::clamp(root.comb.length * glm::mix(0.235, 0.335, top) * (1 + 0.05 * root.shared.normal() + 0.03 * root.own.normal()),
+                              0.20, 0.35);
+    lock.halfWidthM = root.own.uniform(0.0085, 0.0115), lock.halfThicknessM = root.own.uniform(0.0024, 0.0034);
     // Hair from the crown lies over that from the sides.
-    const double layerM = 0.004 + lock.halfThicknessM + (0.003 + 0.012 * top) * own.uniform(0.2, 1.0);
+    const double layerM = 0.004 + lock.halfThicknessM + (0.003 + 0.012 * top) * root.own.uniform(0.2, 1.0);
     const size_t count = lock.clearanceM.size();
     const double linkM = lock.lengthM / double(count - 1);
-    Vec3d p = root - 0.0015 * normal, before = glm::normalize(along(longFlow(comb, root), normal) + own.uniform(0.25, 0.55) * normal);
+    Vec3d p = root.at - 0.0015 * root.normal,
+          before = glm::normalize(along(longFlow(root.comb, root.at), root.normal) + root.own.uniform(0.25, 0.55) * root.normal);
     std::vector<Vec3d>& nodes = lock.groomed;
     nodes.push_back(p);
     for (size_t i = 1; i < count; ++i) {
         lock.clearanceM[i] = std::max(0.003, layerM * std::min(1.0, double(i) / 3));
-        const auto near = solids.nearest(p);
-        Vec3d wanted = longFlow(comb, p);
-        if (p.y < comb.middle.y - 0.09) wanted = kDown;
+        const auto near = root.solids.nearest(p);
+        Vec3d wanted = longFlow(root.comb, p);
+        if (p.y < root.comb.middle.y - 0.09) wanted = kDown;
         if (near.distanceM < 0.035) wanted = along(wanted, near.outward);
         before = glm::normalize(0.4 * before + 0.6 * wanted);
         const Vec3d last = p;
         p += linkM * before;
-        keepOut(p, last, linkM, lock.clearanceM[i], solids);
+        keepOut(p, last, linkM, lock.clearanceM[i], root.solids);
         before = glm::normalize(p - last);
         nodes.push_back(p);
     }
@@ -162,12 +172,13 @@ void combAll(Subject& subject, const PosedSolids& solids) {
             if (glm::distance(root, leaders[l]) < glm::distance(root, leaders[leader])) leader = l;
         Random own(subject.seed, kLockStream + i), shared(subject.seed, kNeighboursStream + leader);
         lock.clearanceM.assign(hair.nodesPerLock, 0.0);
+        const Root place{comb, solids, own, shared, root, normal};
         if (hair.swing()) {
-            combLong(comb, own, shared, root, normal, lock, solids);
+            combLong(place, lock);
         } else {
             double edgeM = 1;
             for (const Vec3d& b : border) edgeM = std::min(edgeM, glm::distance(b, root));
-            combShort(comb, own, shared, edgeM, root, normal, lock, solids);
+            combShort(place, edgeM, lock);
         }
         lock.rest = facingNodes(lock.groomed, normal, solids);
     }
