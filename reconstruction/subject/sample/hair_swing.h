@@ -21,7 +21,8 @@ public:
 
     /** At rest at `start`, the nodes of the standing subject. */
     LockChains(const HairLocks& hair, std::vector<Vec3d> start);
-    /** Moves on by kStepS, at the end of which the head and the solids are there. No node becomes faster than 10 m/s. */
+    /** Moves on by kStepS, at the end of which the head and the solids are there. A node keeps at most 10 m/s of
+     *  its speed, so that the energy stays finite in any motion. */
     void step(const Mat3x4d& worldFromHead, const PosedSolids& solids);
     const std::vector<Vec3d>& nodes() const { return at_; }
 
