@@ -33,7 +33,7 @@ struct FittedBody {
 
 template <>
 struct StageOf<FittedBody> {
-    static constexpr StageName kName{"body-fit", 16};
+    static constexpr StageName kName{"body-fit", 17};
     static constexpr const char* kPriors[] = {"input/cameras", "input/capture", "subject/body", "subject/hands"};
     static Status inputs(StageInputs& in);
     static Status make(StageInputs& in, StageContext& context);

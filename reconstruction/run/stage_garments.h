@@ -16,7 +16,7 @@ struct GarmentLayers {
 
 template <>
 struct StageOf<GarmentLayers> {
-    static constexpr StageName kName{"garments", 11};
+    static constexpr StageName kName{"garments", 12};
     static constexpr const char* kPriors[] = {"input/cameras", "input/capture", "subject/garments", "subject/surface"};
     static Status inputs(StageInputs& in);
     static Status make(StageInputs& in, StageContext& context);

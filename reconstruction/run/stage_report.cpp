@@ -15,6 +15,7 @@
 #include "reconstruction/run/detail_figures.h"
 #include "reconstruction/run/film_memory.h"
 #include "reconstruction/run/frame_scores.h"
+#include "reconstruction/run/label_figures.h"
 #include "reconstruction/run/live_person.h"
 #include "reconstruction/run/needle_figures.h"
 #include "reconstruction/run/portrait.h"
@@ -313,6 +314,7 @@ Status StageOf<ReportFiles>::make(StageInputs& in, StageContext& context) {
     DPL_TRY(data.ladder, measureLadder({table->scan, metric->cameras, avatar, found}, in.jobs()));
     DPL_RETURN_IF_ERROR(addScaleFigures(table->scan.root, view, heldOut, found, data));
     DPL_RETURN_IF_ERROR(addDetailFigures(table->scan, view, heldOut, found, data));
+    DPL_RETURN_IF_ERROR(addLabelFigures(table->scan, view, heldOut, found, data));
     DPL_RETURN_IF_ERROR(addBarFigures(table->scan, view, heldOut, found, data));
     for (const StageRecord& s : in.records()) data.stages.push_back({s.name, s.seconds, s.peakBytes, s.reused});
     PlotSeries loss{"total", {}, {}}, psnr{"masked", {}, {}};

@@ -17,7 +17,7 @@ struct ReportFiles {
 
 template <>
 struct StageOf<ReportFiles> {
-    static constexpr StageName kName{"report", 21};
+    static constexpr StageName kName{"report", 22};
     static constexpr const char* kPriors[] = {"input/cameras",   "input/capture",        "subject/body",    "subject/garments",
                                               "subject/surface", "training/correctives", "training/trainer"};
     static Status inputs(StageInputs& in);

@@ -23,6 +23,7 @@ struct FrameState {
     double root[kRootSize] = {};
     std::vector<double> pose, sway;
     bool fitted = false;
+    bool headShakes = false;
 };
 
 class BodyFitter {
@@ -63,6 +64,11 @@ private:
         return keypointSigma(scan_) * std::hypot(double(scan_.frames[f].camera.widthPx), double(scan_.frames[f].camera.heightPx));
     }
 
+    struct HeadDoubt {
+        double squares = 0;  // of coordinates, in variances of a keypoint
+        size_t count = 0;
+        void operator+=(const HeadDoubt& other) { squares += other.squares, count += other.count; }
+    };
     Status start();
     Status solve(ceres::Problem& problem, const char* what, int maxSteps, double from, double to);
     std::vector<double> swaySigmas() const;
@@ -79,7 +85,10 @@ private:
     void untangleMoving(const std::vector<size_t>& order, const std::function<bool(size_t)>& mayChange);
     Status trackMoving(const std::vector<size_t>& order, double from, double to);
     Result<double> solveMoving(bool backwards, double from, double to);
+    Status solveTogether(const char* what, bool loose, int maxSteps, double from, double to);
     Status fitMoving(double from, double to);
+    HeadDoubt headDoubt(size_t f) const;
+    Status freeShakenHeads(double from, double to);
     Status fitUntrained(double from, double to);
     Status fitHeldOutMoving(Split split, double from, double to);
     FrameState effective(size_t f) const;

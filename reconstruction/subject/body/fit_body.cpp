@@ -395,8 +395,9 @@ Result<BodyFit> BodyFitter::run() {
     DPL_RETURN_IF_ERROR(refineShape(0.3, 0.4));
     findLandmarks();
     detectorNoise_ = detectorNoise();
-    DPL_RETURN_IF_ERROR(fitMoving(0.4, 0.9));
-    DPL_RETURN_IF_ERROR(fitUntrained(0.9, 1.0));
+    DPL_RETURN_IF_ERROR(fitMoving(0.4, 0.88));
+    DPL_RETURN_IF_ERROR(freeShakenHeads(0.88, 0.92));
+    DPL_RETURN_IF_ERROR(fitUntrained(0.92, 1.0));
     return collect();
 }
 

@@ -2,6 +2,7 @@
 // Moving frames of the body fit: track a first guess, choose the depth of arms and legs, solve all train frames together, and pose the
 // held-out frames between them.
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <cmath>
 #include <future>
@@ -10,6 +11,8 @@
 #include "reconstruction/subject/body/body_fitter.h"
 #include "reconstruction/subject/body/limb_depths.h"
 #include "reconstruction/subject/body/motion_terms.h"
+#include "reconstruction/subject/body/priors.h"
+#include "sdk/core/percentile.h"
 #include "sdk/core/task.h"
 
 namespace dpl {
@@ -17,8 +20,16 @@ namespace {
 
 constexpr double kLooseFootScale = 5;
 constexpr int kUntangleRounds = 3;
-constexpr std::chrono::milliseconds kLookEvery{50};       // whether the whole was cancelled, while the other direction is waited for
+constexpr std::chrono::milliseconds kLookEvery{50};  // whether the whole was cancelled, while the other direction is waited for
+constexpr size_t kFewestHeadPoints = 9;              // in three pictures
+constexpr double kHeadOutlierSigmas = 4;
+constexpr double kShakeNearS = 0.35;                      // of a doubtful picture: half of a slow shake
 constexpr double kTrackStepRad = 0.5, kTrackStepM = 0.3;  // σ of the change of pose and root from frame to frame; tracking only
+
+bool isOfHead(const std::string& keypoint) {
+    constexpr std::array<std::string_view, 6> kHead = {"nose", "eye_l", "eye_r", "ear_l", "ear_r", "head_top"};
+    return std::ranges::find(kHead, keypoint) != kHead.end();
+}
 
 }  // namespace
 
@@ -27,7 +38,7 @@ void BodyFitter::addSmoothness(ceres::Problem& problem, const std::vector<size_t
     std::vector<MovingFrame> inTime;
     for (const size_t f : order) {
         FrameState& s = frames_[f];
-        inTime.push_back({scan_.frames[f].timeS, &s.rootReference, s.root, s.pose.data(), involves(f)});
+        inTime.push_back({scan_.frames[f].timeS, &s.rootReference, s.root, s.pose.data(), involves(f), s.headShakes});
     }
     addMotionTerms(problem, {context_, priors_, scan_.keypointNames, up, shape_.data(), {}}, inTime);
 }
@@ -72,25 +83,31 @@ void BodyFitter::untangleMoving(const std::vector<size_t>& order, const std::fun
                   inTime);
 }
 
+/** Solves the moving training frames as one problem. loose: outliers of keypoints and of feet count too. */
+Status BodyFitter::solveTogether(const char* what, bool loose, int maxSteps, double from, double to) {
+    const std::vector<size_t> order = movingInTime(Split::Train);
+    context_.outlierSigmas = loose ? kLooseOutliers : settings_.outlierSigmas;
+    context_.footSigmaScale = loose ? kLooseFootScale : 1;
+    ceres::Problem problem;
+    for (size_t f : order) addFrame(problem, f);
+    addSmoothness(problem, order, [](size_t) { return true; });
+    if (shapeFromMoving_) addShapePriors(problem);
+    if (!shapeFromMoving_)
+        freezeGlobals(problem);
+    else if (metric_)
+        problem.SetParameterBlockConstant(&logUnit_);
+    return solve(problem, what, maxSteps, from, to);
+}
+
 /** Tracks in one direction of time, then chooses the depth of limbs and solves all frames together. Better shoulders and hips give better
  *  depth choices, so both are repeated while the cost falls. Leaves the result of least cost, and returns that cost. */
 Result<double> BodyFitter::solveMoving(bool backwards, double from, double to) {
     const std::vector<size_t> order = movingInTime(Split::Train);
     const double part = (to - from) / (2 + 2 * kUntangleRounds);
     double done = from;
-    const auto together = [&](const char* what, bool loose, int maxSteps) -> Status {
-        context_.outlierSigmas = loose ? kLooseOutliers : settings_.outlierSigmas;
-        context_.footSigmaScale = loose ? kLooseFootScale : 1;
-        ceres::Problem problem;
-        for (size_t f : order) addFrame(problem, f);
-        addSmoothness(problem, order, [](size_t) { return true; });
-        if (shapeFromMoving_) addShapePriors(problem);
-        if (!shapeFromMoving_)
-            freezeGlobals(problem);
-        else if (metric_)
-            problem.SetParameterBlockConstant(&logUnit_);
+    const auto together = [&](const char* what, bool loose, int maxSteps) {
         done += part;
-        return solve(problem, what, maxSteps, done - part, done);
+        return solveTogether(what, loose, maxSteps, done - part, done);
     };
     std::vector<size_t> track = order;
     if (backwards) std::reverse(track.begin(), track.end());
@@ -146,6 +163,45 @@ Status BodyFitter::fitMoving(double from, double to) {
     return {};
 }
 
+/** How far the head's keypoints lie from the fitted pose. An outlier counts as kHeadOutlierSigmas. */
+BodyFitter::HeadDoubt BodyFitter::headDoubt(size_t f) const {
+    const FrameState& s = frames_[f];
+    KeypointChain::Output out;
+    chain_.evaluate(s.rootReference, s.root, s.pose.data(), shape_.data(), false, out);
+    const Camerad camera = metricCamera(scan_.frames[f].camera, std::exp(logUnit_));
+    HeadDoubt doubt;
+    for (size_t k = 0; k < keypoints_[f].size(); ++k) {
+        const Keypoint& seen = keypoints_[f][k];
+        if (!isOfHead(scan_.keypointNames[k]) || !(seen.confidence > 0) || !chain_.hasKeypoint(k)) continue;
+        const double apartPx = glm::length(camera.pixelOf(camera.toView(out.points[k])) - seen.px);
+        const double sigmas = std::min(seen.confidence * apartPx / sigmaPx(f), kHeadOutlierSigmas);
+        doubt.squares += 0.5 * sigmas * sigmas, ++doubt.count;
+    }
+    return doubt;
+}
+
+/** People move their heads evenly, and the fit holds them to it. Where keypoints of three pictures in a row contradict it, and more so than
+ * in the best quarter of the film, the head shakes or nods, and all is solved again with a head that may. A film without shakes is left as
+ * it is. */
+Status BodyFitter::freeShakenHeads(double from, double to) {
+    const std::vector<size_t> order = movingInTime(Split::Train);
+    std::vector<double> squares(order.size(), 0.0);  // of three pictures in a row
+    for (size_t i = 1; i + 1 < order.size(); ++i) {
+        HeadDoubt sum;
+        for (const size_t k : {i - 1, i, i + 1}) sum += headDoubt(order[k]);
+        if (sum.count >= kFewestHeadPoints) squares[i] = sum.squares / double(sum.count);
+    }
+    const double limit = std::pow(priors::kShakenHeadSigmas, 2) * std::max(1.0, percentile(squares, 0.25));
+    bool any = false;
+    for (size_t i = 0; i < order.size(); ++i)
+        for (const size_t near : order)
+            if (squares[i] > limit && std::abs(scan_.frames[near].timeS - scan_.frames[order[i]].timeS) <= kShakeNearS)
+                any = frames_[near].headShakes = true;
+    if (!any) return {};
+    DPL_RETURN_IF_ERROR(solveTogether("moving frames: shaken heads, loose", true, 50, from, 0.5 * (from + to)));
+    return solveTogether("moving frames: shaken heads", false, 50, 0.5 * (from + to), to);
+}
+
 /** Poses the moving frames of a split other than training from their own keypoints, with the frames that they know fixed. */
 Status BodyFitter::fitHeldOutMoving(Split split, double from, double to) {
     const std::vector<size_t> order = movingInTime(split);
@@ -163,6 +219,13 @@ Status BodyFitter::fitHeldOutMoving(Split split, double from, double to) {
         s.rootReference = nearest->rootReference;
         std::copy(nearest->root, nearest->root + kRootSize, s.root);
         s.pose = nearest->pose;
+    }
+    for (size_t i = 0; i < order.size(); ++i) {  // between shaken heads heads shake
+        if (!isPosed(order[i])) continue;
+        size_t before = i, after = i;
+        while (before > 0 && isPosed(order[before])) --before;
+        while (after + 1 < order.size() && isPosed(order[after])) ++after;
+        frames_[order[i]].headShakes = frames_[order[before]].headShakes || frames_[order[after]].headShakes;
     }
     for (int round = 0; round < 2; ++round) {
         context_.outlierSigmas = round == 0 ? kLooseOutliers : settings_.outlierSigmas;

@@ -29,9 +29,12 @@ void addMotionTerms(ceres::Problem& problem, const MotionModel& model, std::span
         const MovingFrame &a = inTime[i - 1], &b = inTime[i], &c = inTime[i + 1];
         if (!linked(b.timeS - a.timeS) || !linked(c.timeS - b.timeS)) continue;
         if (!a.free && !b.free && !c.free) continue;
-        for (size_t j = 0; j < model.priors.size(); ++j)
-            problem.AddResidualBlock(new JointSmoothness(model.priors[j], a.timeS, b.timeS, c.timeS, model.spread), nullptr, a.pose + 3 * j,
+        for (size_t j = 0; j < model.priors.size(); ++j) {
+            JointPrior prior = model.priors[j];
+            if (prior.shakenRadS2 > 0 && (a.headShakes || b.headShakes || c.headShakes)) prior.accelerationRadS2 = prior.shakenRadS2;
+            problem.AddResidualBlock(new JointSmoothness(prior, a.timeS, b.timeS, c.timeS, model.spread), nullptr, a.pose + 3 * j,
                                      b.pose + 3 * j, c.pose + 3 * j);
+        }
         problem.AddResidualBlock(
             makeRootSmoothness({*a.reference, *b.reference, *c.reference}, model.up, a.timeS, b.timeS, c.timeS, model.spread), nullptr,
             a.root, b.root, c.root);

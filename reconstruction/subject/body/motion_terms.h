@@ -18,6 +18,7 @@ struct MovingFrame {
     double* root = nullptr;            // kRootSize values
     double* pose = nullptr;            // three values for each joint prior
     bool free = true;                  // terms between frames that are not free are left out
+    bool headShakes = false;           // accelerations of neck and head about here spread by JointPrior::shakenRadS2
 };
 
 struct MotionModel {

@@ -6,6 +6,7 @@
 #include <string_view>
 
 #include "reconstruction/subject/body/body_tools.h"
+#include "reconstruction/subject/body/priors.h"
 
 namespace dpl {
 namespace {
@@ -58,7 +59,10 @@ std::vector<JointPrior> posePriors(const BodyModel& body) {
     const Mat3d world(1.0);
     for (const std::string_view bone : {"spine", "chest", "upperChest"})
         add(bone, world, {0.09, 0.12, 0.08}, Vec3d(-0.8), Vec3d(0.8), 0.315, 0.006);
-    for (const std::string_view bone : {"neck", "head"}) add(bone, world, {0.12, 0.25, 0.12}, Vec3d(-1), Vec3d(1), 0.525, 0.015);
+    for (const std::string_view bone : {"neck", "head"}) {
+        add(bone, world, {0.12, 0.25, 0.12}, Vec3d(-1), Vec3d(1), 0.525, 0.015);
+        if (findHumanoid(body, bone) > 0) priors.back().shakenRadS2 = priors::kShakeRadS2;
+    }
     for (const bool left : {true, false}) {
         const std::string side = left ? "left" : "right";
         const auto joint = [&](const char* bone) { return findHumanoid(body, side + bone); };

@@ -46,6 +46,13 @@ inline constexpr double kFootSlideMS = 0.002;
 /** Geman-McClure scale of a foot's slide. A step is an outlier.
  *  unit: standard deviations | origin: round figure | half, double: not measured */
 inline constexpr double kFootOutlierSigmas = 3;
+/** Distance of the head's keypoints in three pictures in a row from a pose that moves evenly above which the head is taken to shake: root
+ * mean square of a coordinate, by confidence.
+ *  unit: standard deviations | origin: round figure; noise alone gives 1 | half, double: not measured */
+inline constexpr double kShakenHeadSigmas = 1.5;
+/** Angular acceleration of neck and head, each, while the head shakes or nods.
+ *  unit: rad/s² | origin: round figure; 35° to both sides once or twice a second, in equal parts | half, double: not measured */
+inline constexpr double kShakeRadS2 = 20;
 /** Angular acceleration of the pelvis about the vertical.
  *  unit: rad/s² | origin: round figure | half, double: not measured */
 inline constexpr double kTurnAccelerationRadS2 = 2.0;

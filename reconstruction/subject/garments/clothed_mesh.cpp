@@ -9,6 +9,7 @@
 
 #include "reconstruction/subject/garments/body_layer.h"
 #include "reconstruction/subject/garments/cloth_weights.h"
+#include "reconstruction/subject/garments/hanging_hair.h"
 #include "reconstruction/subject/garments/leg_gap.h"
 #include "reconstruction/subject/garments/priors.h"
 #include "reconstruction/subject/garments/resting_hands.h"
@@ -23,6 +24,7 @@
 namespace dpl {
 namespace {
 
+constexpr const char* kHair = "hair";
 constexpr double kLabelSmoothingM = 0.008;  // of the votes
 constexpr float kNudgeM = 2e-5f;            // between vertices of two layers at the same position
 
@@ -98,7 +100,7 @@ void appendLayer(ClothedMesh& clothed, const ScanLabel& label, const MeshData& g
     if (coloured) mesh.colours.resize(mesh.restPositions.size(), glm::u8vec4(128, 128, 128, 255));
     for (const Triangle& t : triangles) mesh.triangles.push_back(t + firstVertex);
     clothed.triangleLabel.resize(mesh.triangles.size(), label.value);
-    mesh.layers.push_back({label.name, label.name == "hair" ? "hair" : "garment", firstVertex, uint32_t(rest.size()), firstTriangle,
+    mesh.layers.push_back({label.name, label.name == kHair ? "hair" : "garment", firstVertex, uint32_t(rest.size()), firstTriangle,
                            uint32_t(triangles.size())});
 }
 
@@ -133,6 +135,7 @@ Result<const WornGarment*> garmentAsWorn(Outside& outside, const GarmentPiece& p
     if (const auto known = outside.worn.find(piece.column); known != outside.worn.end()) return &known->second;
     const auto [mesh, below] = withArmsApart(piece.mesh, input.body, input.joints, body.posed);
     DPL_TRY(ClothWeights weights, clothWeights(mesh, below, input.body, input.joints, body.worldFromRest, jobs));
+    if (votingLabels(input.labels)[piece.column].name == kHair) hangFromHead(mesh, input.joints, body.worldFromRest, weights);
     WornGarment& worn = outside.worn[piece.column];
     worn.mesh.restPositions = unposed(mesh, weights, body.worldFromRest);
     worn.mesh.jointIndices = std::move(weights.joints), worn.mesh.jointWeights = std::move(weights.weights);

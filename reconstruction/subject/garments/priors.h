@@ -29,6 +29,12 @@ inline constexpr double kClothContactM = 0.015;
 /** Length over which the skin weights of free-hanging cloth are smoothed, for each metre of distance from the body.
  *  unit: ratio | origin: dev; scan-c | half, double: not measured */
 inline constexpr double kClothHang = 3;
+/** Drop below the ears down to which long hair turns with the head alone.
+ *  unit: m | origin: round figure; hair to the shoulders | half, double: not measured */
+inline constexpr float kHairFollowsHeadM = 0.25f;
+/** Drop below the ears from which on it follows the body below it: hair on the back does not swing out when its wearer looks down.
+ *  unit: m | origin: round figure | half, double: not measured */
+inline constexpr float kHairFollowsBodyM = 0.5f;
 /** Depth of the body below clothes.
  *  unit: m | origin: round figure | half, double: not measured */
 inline constexpr double kBodyBelowClothM = 0.004;

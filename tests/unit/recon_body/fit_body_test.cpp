@@ -35,8 +35,11 @@ Camerad cameraAround(double azimuth, double unitsPerMetre) {
     return c;
 }
 
-/** `found`: keypoints lie where our networks mark them. */
-Made make(uint32_t seed, double unitsPerMetre = 1, int movingFrames = 30, double noisePx = 1, bool found = false) {
+constexpr double kShakeRad = 0.6;  // of neck and head together, to both sides, 1.6 times a second
+
+/** `found`: keypoints lie where our networks mark them. `shaken`: the head shakes in the second half of the motion, ten pictures a
+ *  second. */
+Made make(uint32_t seed, double unitsPerMetre = 1, int movingFrames = 30, double noisePx = 1, bool found = false, bool shaken = false) {
     Made m;
     m.scan.keypointsFound = found;
     std::mt19937 random(seed);
@@ -84,7 +87,10 @@ Made make(uint32_t seed, double unitsPerMetre = 1, int movingFrames = 30, double
         turn(pose, "leftUpperArm", {0, 0, 0.15 + 0.6 * (1 - std::cos(phase))});
         turn(pose, "rightUpperLeg", {-0.5 * (1 - std::cos(phase)), 0, 0});
         turn(pose, "rightLowerLeg", {0.6 * (1 - std::cos(phase)), 0, 0});
-        add(FrameKind::Dynamic, i % 6 == 3 ? Split::Test : Split::Train, 0.2 * i, 0.1 * i, pose);
+        const double timeS = (shaken ? 0.1 : 0.2) * i;
+        if (shaken && i >= movingFrames / 2)
+            for (const char* bone : {"neck", "head"}) turn(pose, bone, {0, 0.5 * kShakeRad * std::sin(6.2831853 * 1.6 * timeS), 0});
+        add(FrameKind::Dynamic, i % 6 == 3 ? Split::Test : Split::Train, timeS, 0.1 * i, pose);
     }
     return m;
 }
@@ -113,6 +119,37 @@ TEST(FitBody, findsStillAndMovingPosesDespiteNoiseGapsAndOutliers) {
     EXPECT_LT(meanErrorMm(m, *fit, FrameKind::Dynamic, Split::Test), 20);
     EXPECT_NEAR(fit->shape[0], 0.8, 0.4);  // 0.4 of a standard deviation: 16 mm of 1 m
     for (const SolveEnd& s : fit->solves) EXPECT_TRUE(s.usable) << s.what << ": " << s.how;
+}
+
+TEST(FitBody, followsAShakenHeadAndHoldsOneThatMovesEvenly) {
+    const Made m = make(3, 1, 40, 1, false, /*shaken=*/true);
+    const auto fit = fitBody(m.body, m.scan, m.keypoints);
+    ASSERT_TRUE(fit) << fit.error().message;
+    const auto yawOf = [&](const Pose& pose) {
+        double yaw = 0;
+        for (const char* bone : {"neck", "head"}) {
+            const Quatf q = pose.localRotations[size_t(findHumanoid(m.body, bone))];
+            yaw += 2 * std::atan2(double(q.y), double(q.w));
+        }
+        return yaw;
+    };
+    double calm = 0, shake = 0, largest = 0;
+    size_t shakes = 0;
+    for (size_t f = 0; f < m.scan.frames.size(); ++f) {
+        if (m.scan.frames[f].kind != FrameKind::Dynamic) continue;
+        const double wanted = yawOf(m.truth[f]), off = std::abs(yawOf(fit->poses[f]) - wanted);
+        if (m.scan.frames[f].timeS < 1.6) calm = std::max(calm, off);
+        if (std::abs(wanted) > 0.3) shake += off, ++shakes, largest = std::max(largest, std::abs(wanted));
+    }
+    ASSERT_GT(shakes, 8u);
+    std::printf("[ SHAKE ] yaw of up to %.0f degrees is off by %.1f in the mean; that of a still head by at most %.1f\n",
+                glm::degrees(largest), glm::degrees(shake / double(shakes)), glm::degrees(calm));
+    EXPECT_LT(shake / double(shakes), 0.15) << "held evenly, all 0.3 to 0.6 rad are lost";
+    EXPECT_LT(calm, 0.12) << "noise of a pixel alone would turn the head by 0.1 rad";
+    const Made still = make(3, 1, 40);
+    const auto evenly = fitBody(still.body, still.scan, still.keypoints);
+    ASSERT_TRUE(evenly);
+    for (const SolveEnd& solve : evenly->solves) EXPECT_EQ(solve.what.find("shaken"), std::string::npos) << "nothing shakes here";
 }
 
 TEST(FitBody, followsTheErrorsOfFoundKeypointsLess) {

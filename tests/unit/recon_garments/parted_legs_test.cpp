@@ -7,6 +7,7 @@
 #include "modelled_person.h"
 #include "reconstruction/subject/garments/clothed_mesh.h"
 #include "reconstruction/subject/garments/leg_gap.h"
+#include "sdk/math/skinning.h"
 
 namespace dpl {
 namespace {
