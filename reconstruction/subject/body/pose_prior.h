@@ -17,8 +17,8 @@ struct JointPrior {
     Vec3d tailSigmas{0};  // 0: Gaussian; else the scale in σ of a Geman–McClure loss, for joints that either rest or clearly move
     Vec3d lowRad{-3.1}, highRad{3.1};  // range about the rest pose
     double accelerationRadS2 = 2;      // standard deviation of the angular acceleration
-    double shakenRadS2 = 0;            // the same in frames that show a shaken head (MovingFrame::headShakes); 0: of no head
     double swayRad = 0;                // standard deviation between still frames; 0: does not sway
+    double shakenRadS2 = 0;  // of the angular acceleration in frames that show a shaken head (MovingFrame::headShakes); 0: of no head
 };
 
 /** Priors of the joints that the fit rotates, in joint order: those with a humanoid name except root, fingers, toes, eyes and jaw. */
